@@ -123,6 +123,21 @@ def _impact(solved: Solved) -> Iterator[Finding]:
     yield Finding("kinetic energy that is left", left, 1.0, 0.01)
 
 
+def _stick_slip(solved: Solved) -> Iterator[Finding]:
+    """What slides fast has the coefficient of sliding; nothing reaches that of rest."""
+    steps = list(solved.steps())
+    along = np.array([step["friction_force"][0] for step in steps])
+    shares = along / np.array([step["normal_force"] for step in steps])
+    fastest = int(np.argmax([step["kinetic_energy"] for step in steps]))
+    yield Finding(
+        "friction over normal force, when it moves fastest", float(shares[fastest]), 0.5, 0.02
+    )
+    stuck = float(shares[len(shares) // 4 :].max())
+    yield Finding("largest such ratio, beside .8 if all slid at once", stuck, 0.65, 0.23)
+    left = solved.value("energy_defect") / solved.value("external_work")
+    yield Finding("energy left open, over the work done", left, 0.0, 0.01, absolute=True)
+
+
 _MODULUS = formulas.plane_strain_modulus(1000, 0.3)
 _HERTZ = formulas.paraboloid(_MODULUS, radius=8, indentation=1)
 _RING = formulas.annular_punch_force(_MODULUS, inner=0.5, outer=1, indentation=0.01)
@@ -356,6 +371,10 @@ ENTRIES: dict[str, Entry] = {
     "impact": Entry(
         source=f"H. Hertz; {JOHNSON}, section 11.4; balance of momentum",
         findings=_impact,
+    ),
+    "stick_slip": Entry(
+        source="Coulomb's law at rest and in sliding; balance of energy",
+        findings=_stick_slip,
     ),
     "fretting": Entry(
         source="D. Nowell, D. A. Hills, Int. J. Mech. Sci. 29 (1987) 355-365",

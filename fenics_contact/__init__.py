@@ -45,6 +45,7 @@ if TYPE_CHECKING:
         OwnFrictionLaw,
         PressureDependentFriction,
         SlipDependentFriction,
+        SpeedDependentFriction,
     )
     from fenics_contact.scene.laws.normal_laws import (
         NormalCompliance,
@@ -123,6 +124,7 @@ __all__ = [
     "Scene",
     "SlipDependentFriction",
     "SolverSettings",
+    "SpeedDependentFriction",
     "Stability",
     "Steps",
     "StrainLifeLine",
@@ -179,6 +181,7 @@ _MODULES = {
         "OwnFrictionLaw",
         "PressureDependentFriction",
         "SlipDependentFriction",
+        "SpeedDependentFriction",
     ),
     "scene.laws.normal_laws": ("NormalCompliance", "OwnNormalLaw", "PressureFormula"),
     "scene.reading": ("load_scene",),

@@ -214,6 +214,16 @@ class ContactSurface:
         elif self.force is None:
             kinematics.stand()
 
+    def follow_speed(self, speed: Array) -> None:
+        """A step of motion begins in which points slide; collective.
+
+        Args:
+            speed: At its begin, (points,) (length/time).
+        """
+        self.friction.rule.follow_speed(speed)
+        if self.normal.pressure_is_known:
+            self.friction.follow_given(self.pressure())
+
     def touch(self) -> None:
         """Bring an obstacle that nothing presses on until it just touches; collective."""
         if self.normal.has_counterpart and self.normal.pressure_is_known:

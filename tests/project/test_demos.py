@@ -36,6 +36,7 @@ LONG = {
         "steps.times=[1, 1.5, 2, 3, 4, 6]",
     ],
     "impact": ["mesh.parameters.size=0.3", "motion.step=1e-6"],
+    "stick_slip": ["motion.end=0.006"],
     "joint_damping": [
         "mesh.0.parameters.cells_along=20",
         "mesh.1.parameters.cells_along=20",
@@ -409,3 +410,16 @@ def test_a_ball_bounces_as_hertz_and_newton_say(tmp_path):
     mass = found["momentum"][1] / 5000
     assert mass == pytest.approx(4 / 3 * pi * 10**3 * 7.85e-9, rel=0.02)
     assert found["impulse"][1] == pytest.approx(2 * mass * 5000, rel=0.01)
+
+
+def test_rubber_on_a_belt_sticks_and_slips(tmp_path):
+    """All of it slides with the coefficient of sliding, and sticks with more than that."""
+    run_demo("stick_slip", tmp_path, *LONG["stick_slip"])
+    steps = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["steps"]
+    found = [step["quantities"] for step in steps]
+    shares = np.array([step["friction_force"][0] / step["normal_force"] for step in found])
+    slides = np.array([step["stick_area"] == 0 for step in found])
+    late = np.arange(len(shares)) > len(shares) // 2
+    assert np.abs(shares[slides & late] - 0.5).max() < 1e-6
+    assert (slides & late).sum() > 10
+    assert 0.52 < shares[late & ~slides].max() < 0.8

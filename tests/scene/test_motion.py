@@ -22,7 +22,7 @@ PLANE = Obstacle("plane", position=(0.0, 0.0), normal=(0.0, 1.0))
         ({"load": (Load("body", body_force=(0.0, -1.0)),)}, "load\\[0\\].path is missing"),
         (
             {"contact": (Contact("y0", obstacle=PLANE, friction_coefficient=0.3),)},
-            "only Coulomb's friction of law = 'incremental'",
+            "only Coulomb's friction of law = 'incremental', or with",
         ),
         (
             {"contact": (Contact("y0", contact="bonded", obstacle=Obstacle()),)},

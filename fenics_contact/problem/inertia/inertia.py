@@ -29,6 +29,12 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.inertia.damping import damping_of
 from fenics_contact.problem.inertia.massless import ContactMasses
+from fenics_contact.problem.inertia.sliding import (
+    along_contact,
+    elastic_slip,
+    end_speeds,
+    follow,
+)
 from fenics_contact.problem.inertia.states import (
     Drag,
     FirstState,
@@ -152,15 +158,32 @@ class Inertia:
 
     def follow_velocities(self) -> None:
         """Let friction count from where no velocity is left at the end of the step; collective."""
-        state = self.state
+        state, now = self.state, self._motions()
         moved = state.displacement + 0.5 * self.size * state.velocity
-        opposite = 0.5 * (state.motions + self._motions())
-        every = zip(self._contacts, opposite, state.elastic, strict=True)
-        for contact, motion, elastic in every:
+        opposite, taken = 0.5 * (state.motions + now), (now - state.motions) / self.size
+        every = zip(self._contacts, opposite, taken, state.elastic, strict=True)
+        for number, (contact, motion, velocity, elastic) in enumerate(every):
             if contact.friction.rubs:
-                kinematics = contact.kinematics
-                jump = contact.trace.at_points(kinematics.relative(moved) - motion)
-                contact.friction.accept(kinematics.tangential(jump) - elastic)
+                contact.friction.accept(along_contact(contact, moved, motion) - elastic)
+            if contact.friction.follows_speed and state.sliding is not None:
+                contact.follow_speed(state.sliding[number])
+            elif contact.friction.follows_speed:
+                first = along_contact(contact, state.velocity, velocity)
+                contact.follow_speed(np.linalg.norm(first, axis=1))
+
+    def goes_by_end(self) -> bool:
+        """Let friction go by speeds at the end of the step, as it was solved; collective.
+
+        What begins to slide in it would else do so under the friction of what sticks.
+
+        Returns:
+            Whether that makes it another, so that the step is to be solved again.
+        """
+        if not any(contact.friction.follows_speed for contact in self._contacts):
+            return False
+        speeds = end_speeds(self._contacts, self.size)
+        self.state = replace(self.state, sliding=speeds)
+        return follow(self._contacts, speeds)
 
     def advance(self, time: float, displacement: Array, step: StepForces, load: Array) -> None:
         """A step is done: the next one begins at its end.
@@ -180,6 +203,7 @@ class Inertia:
             pressed=step.pressed,
             motions=self._motions(),
             elastic=tuple(elastic_slip(contact) for contact in self._contacts),
+            sliding=end_speeds(self._contacts, self.size),
             drag=step.drag,
         )
 
@@ -295,17 +319,3 @@ class Inertia:
         across, _ = self._split(mean)
         _, along = self._split(2 * mean - self.state.velocity)
         return np.where(self._held, mean, across + along)
-
-
-def elastic_slip(contact: ContactSurface) -> Array:
-    """The part of the slip that friction counts at present that goes back, at most ε (length)."""
-    friction, kinematics = contact.friction, contact.kinematics
-    counted = friction.counted(kinematics.tangential(kinematics.jump_at_points()))
-    if not friction.rubs:
-        return np.zeros_like(counted)
-    sizes = np.linalg.norm(counted, axis=1)
-    most = np.where(
-        friction.present_bound(contact.pressure()) > 0, friction.regularisation_parameter, 0.0
-    )
-    share = np.divide(np.minimum(sizes, most), sizes, out=np.zeros_like(sizes), where=sizes > 0)
-    return np.asarray(counted * share[:, None])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 
 _AT_NODES = ("displacement", "velocity", "internal", "load", "pressed")
+_SLIDING = "moving_sliding"
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +56,8 @@ class MovingState:
         motions: Of what stands opposite, of each contact, (contacts, components) (length).
         elastic: Slip that goes back, at the points of each contact (length).
         drag: Of damping.
+        sliding: Speed of sliding that friction goes by in the step, at the points of each contact;
+            None at time 0, where velocities tell it (length/time).
     """
 
     time: float
@@ -66,6 +69,18 @@ class MovingState:
     motions: Array
     elastic: tuple[Array, ...]
     drag: Drag
+    sliding: tuple[Array, ...] | None = None
+
+    @property
+    def at_points(self) -> list[dict[str, Array]]:
+        """What stands at the points of each contact, by its name."""
+        found = [
+            {f"moving_elastic_{axis}": column for axis, column in enumerate(values.T)}
+            for values in self.elastic
+        ]
+        for each, speed in zip(found, self.sliding or [], strict=False):
+            each[_SLIDING] = speed
+        return found
 
     @property
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
@@ -76,20 +91,26 @@ class MovingState:
 
     @classmethod
     def of(
-        cls, said: dict[str, Any], nodal: dict[str, Array], elastic: Sequence[Array]
+        cls,
+        said: dict[str, Any],
+        nodal: dict[str, Array],
+        at_points: Sequence[Mapping[str, Array]],
     ) -> MovingState:
         """The state that has these ``parts``.
 
         Args:
             said: What is no array.
             nodal: What stands at the nodes of this rank.
-            elastic: As the attribute.
+            at_points: As the attribute.
         """
         motions = np.array(said["motions"], dtype=np.float64)
+        known = [dict(values) for values in at_points]
+        sliding = tuple(values.pop(_SLIDING) for values in known if _SLIDING in values)
         return cls(
             time=said["began_at"],
             motions=motions,
-            elastic=tuple(elastic),
+            elastic=tuple(np.stack(list(values.values()), axis=1) for values in known),
+            sliding=sliding or None,
             drag=Drag(nodal["rate"], nodal["across"], said["lost"]),
             **{name: nodal[name] for name in _AT_NODES},
         )

@@ -12,7 +12,7 @@ from pydantic import Field
 from fenics_contact.scene.laws.friction_table import FrictionLawTable, require_increase
 from fenics_contact.scene.laws.kinds import chosen_by_kind
 from fenics_contact.scene.laws.own_laws import LANGUAGE, ClassName, Parameters, require_formula
-from fenics_contact.scene.units.dimensions import LENGTH, STIFFNESS_OF_POWER, STRESS
+from fenics_contact.scene.units.dimensions import LENGTH, STIFFNESS_OF_POWER, STRESS, VELOCITY
 from fenics_contact.scene.values import Number, Positive, Text, Value, scene_class
 
 _Shares = Annotated[
@@ -165,6 +165,33 @@ class SlipDependentFriction(FrictionLawTable):
 
     def __post_init__(self) -> None:
         require_increase("slips", self.slips, self.shares)
+
+
+@scene_class
+class SpeedDependentFriction(FrictionLawTable):
+    """Coulomb's friction with a coefficient that depends on how fast points slide, by a table.
+
+    The friction coefficient is that at rest. Where it falls with the speed, bodies stick and slip
+    by turns. It is for scenes that move.
+
+    >>> SpeedDependentFriction(kind="speed dependent", speeds=(0, 10), shares=(1, 0.6)).shares
+    (1.0, 0.6)
+    """
+
+    needs_motion: ClassVar[bool] = True
+    kind: Annotated[Literal["speed dependent"], Field(description="which law it is")]
+    speeds: Annotated[
+        tuple[Annotated[Number, VELOCITY], ...],
+        Field(min_length=2, max_length=20, description="increasing speeds of sliding, ≥ 0"),
+    ]
+    shares: _Shares
+
+    def __post_init__(self) -> None:
+        require_increase("speeds", self.speeds, self.shares)
+        if self.shares[0] != 1:
+            raise ValueError(
+                f"shares[0] = {self.shares[0]:g} must be 1, as friction_coefficient is that at rest"
+            )
 
 
 @scene_class

@@ -17,6 +17,7 @@ class FrictionLawTable:
         kind: By which results and messages name the law.
         is_proportional: Whether it is one coefficient times the pressure.
         needs_steps: Whether it follows the slip of load steps, as the incremental law has it.
+        needs_motion: Whether it follows velocities, which there are where bodies move.
         is_regular: Whether its surfaces give way along each other, so that it needs no
             regularisation.
     """
@@ -24,6 +25,7 @@ class FrictionLawTable:
     kind: str
     is_proportional: ClassVar[bool] = False
     needs_steps: ClassVar[bool] = False
+    needs_motion: ClassVar[bool] = False
     is_regular: ClassVar[bool] = False
 
     @property

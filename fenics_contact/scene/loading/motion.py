@@ -111,13 +111,20 @@ class Motion:
 
 
 def require_motion(scene: Scene) -> None:
-    """Refuse what has no meaning, or cannot be had yet, where bodies move.
+    """Refuse what has no meaning, or cannot be had yet, where bodies move, and laws that need it.
 
     Raises:
         ValueError: In words.
     """
     motion = scene.motion
     if motion is None:
+        for number, contact in enumerate(scene.contact):
+            law = contact.friction_law
+            if law is not None and law.needs_motion:
+                raise ValueError(
+                    f"contact[{number}].friction_law: {law.kind} friction follows velocities, and "
+                    "nothing moves here: give [motion]"
+                )
         return
     others = {
         "steps": scene.steps != Steps(),
@@ -181,8 +188,10 @@ def _require_contact(contact: Contact, key: str) -> None:
         raise ValueError(f"motion: {key}.wear: bodies that move do not wear yet; leave it out")
     if contact.normal_law is not None or contact.kind not in _LAWS:
         raise ValueError(f"motion: {key}: only contacts that are {', '.join(_LAWS)} can move yet")
-    rubs = contact.friction_law is not None or contact.friction_coefficient != 0
-    if rubs and (contact.friction_law is not None or contact.law == "static"):
+    law = contact.friction_law
+    rubs = law is not None or contact.friction_coefficient != 0
+    if rubs and (contact.law == "static" or not (law is None or law.needs_motion)):
         raise ValueError(
-            f"motion: {key}: only Coulomb's friction of law = 'incremental' follows velocities yet"
+            f"motion: {key}: only Coulomb's friction of law = 'incremental', or with a "
+            "friction_law of kind = 'speed dependent', follows velocities yet"
         )

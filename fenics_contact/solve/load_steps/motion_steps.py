@@ -37,10 +37,14 @@ class MotionSteps(LoadSteps):
 
     def _try(self, time: float) -> Solution:
         """Solve a step, from where bodies would be if nothing acted on them; collective."""
-        newton, problem = self.newton, self.problem
-        newton.forget()
         if self.last is not None:
             self._move_on(self.last)
+        found = self._step_to(time)
+        return self._step_to(time) if self._inertia.goes_by_end() else found
+
+    def _step_to(self, time: float) -> Solution:
+        newton, problem = self.newton, self.problem
+        newton.forget()
         problem.reach(np.zeros(len(problem.unknowns)))
         problem.set_time(time)
         newton.begin.where_it_flies(self._inertia.predicted)
@@ -66,11 +70,7 @@ class MotionSteps(LoadSteps):
         assert self._began_at is not None
         said, nodal = self._began_at.parts
         said["size"] = self._inertia.size
-        at_points = [
-            {f"moving_elastic_{axis}": column for axis, column in enumerate(values.T)}
-            for values in self._began_at.elastic
-        ]
-        return Beside(said, at_points, nodal)
+        return Beside(said, self._began_at.at_points, nodal)
 
     def resume(
         self, last: AcceptedStep, pace: Sequence[float], forces: float, beside: Beside
@@ -86,8 +86,7 @@ class MotionSteps(LoadSteps):
                 f"--resume: motion.end makes steps of {size:g}, not of {other:g} as before; "
                 "choose one that is a multiple of motion.step"
             )
-        elastic = [np.stack(list(values.values()), axis=1) for values in beside.at_points]
-        self._began_at = MovingState.of(beside.said, beside.nodal, elastic)
+        self._began_at = MovingState.of(beside.said, beside.nodal, beside.at_points)
         return super().resume(last, pace, forces, beside)
 
     def go_back(self) -> None:

@@ -13,7 +13,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.snapshot import recall, remember
 from fenics_contact.problem.drive import Drive
 from fenics_contact.problem.existence.condition import require_equilibrium
-from fenics_contact.problem.inertia.inertia import elastic_slip
+from fenics_contact.problem.inertia.sliding import elastic_slip
 from fenics_contact.problem.inertia.states import FirstState
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.steps import Steps
@@ -49,7 +49,13 @@ def begin_motion(problem: Problem, timings: Timings) -> None:
 
 def _at_rest(problem: Problem, timings: Timings) -> Problem:
     """The same scene without masses, under what acts at time 0; collective."""
-    scene = replace(problem.scene, motion=None, steps=Steps())
+    contacts = tuple(
+        replace(contact, friction_law=None)  # at rest it is Coulomb's
+        if contact.friction_law is not None and contact.friction_law.needs_motion
+        else contact
+        for contact in problem.scene.contact
+    )
+    scene = replace(problem.scene, contact=contacts, motion=None, steps=Steps())
     rest = Problem(scene, problem.discrete, timings, by_points=True)
     rest.take_loads(problem)
     rest.drive = Drive(np.zeros_like(problem.load), rest=0.0, share=lambda time: 0.0)

@@ -17,6 +17,8 @@ from fenics_contact.verification.motion.bars import (
     touching,
     worst_defect,
 )
+from fenics_contact.verification.motion.belt import belt
+from fenics_contact.verification.motion.belt import period_of as period_on_belt
 from fenics_contact.verification.motion.oscillator import LARGEST_FRICTION, oscillator, period_of
 
 _PLATEAU, _ENERGY = 5e-3, 3e-4
@@ -27,6 +29,7 @@ def _motion(quick: bool) -> Iterator[Finding]:
     if not quick:
         yield from _falling()
     yield from _oscillators(quick)
+    yield from _belts(quick)
 
 
 def _bars(quick: bool) -> Iterator[Finding]:
@@ -76,10 +79,18 @@ def _oscillators(quick: bool) -> Iterator[Finding]:
         yield Finding(f"period at {steps} steps each", period_of(found), longer, 1e-4)
 
 
+def _belts(quick: bool) -> Iterator[Finding]:
+    """A mass that sticks to a belt and slips by turns: its period."""
+    for steps, tolerance in ((200, 5e-3),) if quick else ((200, 5e-3), (3200, 5e-4)):
+        found = solved(*belt(steps, 2.8))
+        what = f"period of stick and slip on a belt, {steps} steps each"
+        yield Finding(what, period_on_belt(found), 1.0, tolerance)
+
+
 CASES: tuple[Case, ...] = (
     Case(
         "motion",
-        "bars that hit a wall and bounce, a mass on a spring with friction",
+        "bars that hit a wall and bounce, a mass on a spring with friction, stick-slip",
         "waves by d'Alembert; D. Doyen, A. Ern and S. Piperno (2011), Section 5; turning points of "
         "Coulomb's oscillator; the midpoint rule's period",
         _motion,

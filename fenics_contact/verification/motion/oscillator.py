@@ -20,8 +20,8 @@ from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.motion.bars import along, times_of
 
 _STIFFNESS, _MASS, _COEFFICIENT = 100.0, 1.0, 0.5
-_FREQUENCY = (_STIFFNESS / _MASS) ** 0.5
-_PERIOD = 2 * np.pi / _FREQUENCY
+FREQUENCY = (_STIFFNESS / _MASS) ** 0.5
+_PERIOD = 2 * np.pi / FREQUENCY
 # μ N/k (length).
 LARGEST_FRICTION = 1e-4
 
@@ -34,7 +34,7 @@ def oscillator(steps: int, periods: float, first_turn: float | None) -> tuple[Sc
         periods: That it moves.
         first_turn: Where it turns first, over μ N/k; None for no friction.
     """
-    speed = _FREQUENCY * LARGEST_FRICTION
+    speed = FREQUENCY * LARGEST_FRICTION
     contacts: tuple[Contact, ...] = ()
     if first_turn is not None:
         speed *= ((first_turn + 1) ** 2 - 1) ** 0.5

@@ -73,6 +73,11 @@ class FrictionLaw(ContactLaw):
         return ""
 
     @property
+    def follows_speed(self) -> bool:
+        """Whether its bound depends on how fast points slide."""
+        return self.rubs and self.rule.follows_speed
+
+    @property
     def depends_on_pressure(self) -> bool:
         """Whether its bound follows a pressure that is not known (Coulomb's friction)."""
         return self.rubs and not self.normal.pressure_is_known

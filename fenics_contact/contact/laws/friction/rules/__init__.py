@@ -8,6 +8,7 @@ from __future__ import annotations
 from fenics_contact.contact.laws.allowed import own_law
 from fenics_contact.contact.laws.friction.rules.by_pressure import ByPressure
 from fenics_contact.contact.laws.friction.rules.by_slip import BySlip
+from fenics_contact.contact.laws.friction.rules.by_speed import BySpeed
 from fenics_contact.contact.laws.friction.rules.compliance import Compliance
 from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
 from fenics_contact.contact.laws.friction.rules.micro_slip import MicroSlip
@@ -22,6 +23,7 @@ RULES: tuple[type[FrictionRule], ...] = (
     Coulomb,
     ByPressure,
     BySlip,
+    BySpeed,
     Compliance,
     Nonlocal,
     MicroSlip,

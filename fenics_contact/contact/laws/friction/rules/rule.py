@@ -52,6 +52,7 @@ class FrictionRule:
         is_proportional: Whether the bound is one coefficient times the pressure.
         state: Arrays at the points that it keeps from load step to load step: the law along the
             contact, which holds the rule, keeps them for it.
+        follows_speed: Whether it depends on how fast points slide.
         coefficient: The scene's friction coefficient at the points, (points,).
         neighbours: How it averages the pressure; None where each point goes by its own.
         longest_elastic_slip: The slip that goes back, at which the bound is reached, in place of
@@ -74,6 +75,7 @@ class FrictionRule:
     neighbours: SurfaceAverage | None = None
     longest_elastic_slip: float | None = None
     state: ClassVar[tuple[PointArray, ...]] = ()
+    follows_speed: ClassVar[bool] = False
 
     def __init__(self, site: LawSite, normal: NormalLaw) -> None:
         self.site, self.normal = site, normal
@@ -173,6 +175,13 @@ class FrictionRule:
 
         Args:
             kept: By name, each (points,) or (points, components).
+        """
+
+    def follow_speed(self, speed: Array) -> None:
+        """Go by it in a step of motion; of use to rules that follow speeds.
+
+        Args:
+            speed: Of sliding, (points,) (length/time).
         """
 
     @property

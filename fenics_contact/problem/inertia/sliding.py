@@ -1,0 +1,88 @@
+"""How far and how fast the points of a contact slide in a step of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.contact_surface import ContactSurface
+
+# Of the largest bound of friction, by which two are the same.
+_SAME = 1e-9
+
+
+def along_contact(contact: ContactSurface, vectors: Array, opposite: Array) -> Array:
+    """What vectors at the nodes are along a contact, beside what stands opposite; collective.
+
+    Args:
+        contact: The contact.
+        vectors: Displacements or velocities, (nodes, components).
+        opposite: Those of an obstacle, (components,).
+    """
+    kinematics = contact.kinematics
+    jump = contact.trace.at_points(kinematics.relative(vectors) - opposite)
+    return np.asarray(kinematics.tangential(jump))
+
+
+def _sizes(vectors: Array) -> Array:
+    return np.asarray(np.linalg.norm(vectors, axis=1))
+
+
+def _counted(contact: ContactSurface) -> Array:
+    """The slip that friction counts at present, (points, components) (length)."""
+    kinematics = contact.kinematics
+    return contact.friction.counted(kinematics.tangential(kinematics.jump_at_points()))
+
+
+def elastic_slip(contact: ContactSurface) -> Array:
+    """The part of the slip that friction counts at present that goes back, at most ε (length)."""
+    friction, counted = contact.friction, _counted(contact)
+    if not friction.rubs:
+        return np.zeros_like(counted)
+    sizes = _sizes(counted)
+    most = np.where(
+        friction.present_bound(contact.pressure()) > 0, friction.regularisation_parameter, 0.0
+    )
+    share = np.divide(np.minimum(sizes, most), sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    return np.asarray(counted * share[:, None])
+
+
+def end_speeds(contacts: Sequence[ContactSurface], size: float) -> tuple[Array, ...]:
+    """Speeds at the end of a step, (points,) each; 0 where friction does not follow them.
+
+    Slip that friction counts is ½ Δt v₁ and what goes back, the rest is what slides.
+
+    Args:
+        contacts: As the step leaves them.
+        size: Its length (time).
+    """
+    return tuple(
+        2 / size * _sizes(_counted(contact) - elastic_slip(contact))
+        if contact.friction.follows_speed
+        else np.zeros(len(contact.trace.normals))
+        for contact in contacts
+    )
+
+
+def follow(contacts: Sequence[ContactSurface], speeds: Sequence[Array]) -> bool:
+    """Let friction go by other speeds; collective.
+
+    Args:
+        contacts: With what presses on them at present.
+        speeds: As of ``end_speeds``.
+
+    Returns:
+        Whether a bound has changed by it.
+    """
+    changed = False
+    for contact, speed in zip(contacts, speeds, strict=True):
+        if contact.friction.follows_speed:
+            comm, pressure = contact.spaces.comm, contact.pressure()
+            before = contact.friction.bound_of(pressure)
+            contact.follow_speed(speed)
+            off = largest(comm, np.abs(contact.friction.bound_of(pressure) - before))
+            changed |= off > _SAME * largest(comm, before)
+    return changed
