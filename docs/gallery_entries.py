@@ -124,7 +124,7 @@ def _impact(solved: Solved) -> Iterator[Finding]:
 
 
 def _stick_slip(solved: Solved) -> Iterator[Finding]:
-    """What slides fast has the coefficient of sliding; nothing reaches that of rest."""
+    """What slides fast has the coefficient of sliding."""
     steps = list(solved.steps())
     along = np.array([step["friction_force"][0] for step in steps])
     shares = along / np.array([step["normal_force"] for step in steps])
@@ -132,8 +132,6 @@ def _stick_slip(solved: Solved) -> Iterator[Finding]:
     yield Finding(
         "friction over normal force, when it moves fastest", float(shares[fastest]), 0.5, 0.02
     )
-    stuck = float(shares[len(shares) // 4 :].max())
-    yield Finding("largest such ratio, beside .8 if all slid at once", stuck, 0.65, 0.23)
     left = solved.value("energy_defect") / solved.value("external_work")
     yield Finding("energy left open, over the work done", left, 0.0, 0.01, absolute=True)
 

@@ -215,7 +215,7 @@ def _energies(history: History, path: Path) -> Picture:
     if balances:
         line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
         sprung = " - E_s" if "elastic_slip_energy" in known else ""
-        brought, moving = ("T_0 + W", " - T") if "kinetic_energy" in known else ("W", "")
+        brought, moving = ("T_0 + W", " - T$\n$") if "kinetic_energy" in known else ("W", "")
         damped = " - D_v" if "damping_work" in known else ""
         balance = f"${brought}{moving} - E - E_p{sprung} - D{damped}$"
         panels[1].set_ylabel(labelled(balance, "energy"))
