@@ -176,8 +176,9 @@ def _require_paths(scene: Scene) -> None:
     for key, path in acting.items():
         if path == RAMP:
             raise ValueError(
-                f"motion: {key} is missing: say how it acts in time; what always acts has "
-                "{ time = [0], factor = [1] }"
+                f"motion: {key} is missing, or is the ramp of load steps from 0 to 1: say how it "
+                "acts in time; what always acts has { time = [0], factor = [1] }, a ramp goes on "
+                "as long as the motion"
             )
 
 
