@@ -215,10 +215,10 @@ class ContactSurface:
             kinematics.stand()
 
     def follow_speed(self, speed: Array) -> None:
-        """A step of motion begins in which points slide; collective.
+        """Let friction go by how fast points slide; collective.
 
         Args:
-            speed: At its begin, (points,) (length/time).
+            speed: At the begin or the end of a step of motion, (points,) (length/time).
         """
         self.friction.rule.follow_speed(speed)
         if self.normal.pressure_is_known:

@@ -39,7 +39,11 @@ def _counted(contact: ContactSurface) -> Array:
 
 def elastic_slip(contact: ContactSurface) -> Array:
     """The part of the slip that friction counts at present that goes back, at most ε (length)."""
-    friction, counted = contact.friction, _counted(contact)
+    return _goes_back(contact, _counted(contact))
+
+
+def _goes_back(contact: ContactSurface, counted: Array) -> Array:
+    friction = contact.friction
     if not friction.rubs:
         return np.zeros_like(counted)
     sizes = _sizes(counted)
@@ -59,12 +63,14 @@ def end_speeds(contacts: Sequence[ContactSurface], size: float) -> tuple[Array, 
         contacts: As the step leaves them.
         size: Its length (time).
     """
-    return tuple(
-        2 / size * _sizes(_counted(contact) - elastic_slip(contact))
-        if contact.friction.follows_speed
-        else np.zeros(len(contact.trace.normals))
-        for contact in contacts
-    )
+    return tuple(2 / size * _sizes(_slides(contact)) for contact in contacts)
+
+
+def _slides(contact: ContactSurface) -> Array:
+    if not contact.friction.follows_speed:
+        return np.zeros((len(contact.trace.normals), 1))
+    counted = _counted(contact)
+    return np.asarray(counted - _goes_back(contact, counted))
 
 
 def follow(contacts: Sequence[ContactSurface], speeds: Sequence[Array]) -> bool:

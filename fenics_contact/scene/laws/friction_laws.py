@@ -193,6 +193,11 @@ class SpeedDependentFriction(FrictionLawTable):
                 f"shares[0] = {self.shares[0]:g} must be 1, as friction_coefficient is that at rest"
             )
 
+    @property
+    def at_rest(self) -> None:
+        """Coulomb's, whose coefficient is that of the contact."""
+        return None
+
 
 @scene_class
 class OrthotropicFriction(FrictionLawTable):

@@ -29,6 +29,11 @@ class FrictionLawTable:
     is_regular: ClassVar[bool] = False
 
     @property
+    def at_rest(self) -> FrictionLawTable | None:
+        """The law between bodies that do not slide; None where that is Coulomb's."""
+        return self
+
+    @property
     def shown(self) -> str:
         """The law and its numbers in words, for results."""
         keys: Any = self

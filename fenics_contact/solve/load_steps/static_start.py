@@ -50,9 +50,7 @@ def begin_motion(problem: Problem, timings: Timings) -> None:
 def _at_rest(problem: Problem, timings: Timings) -> Problem:
     """The same scene without masses, under what acts at time 0; collective."""
     contacts = tuple(
-        replace(contact, friction_law=None)  # at rest it is Coulomb's
-        if contact.friction_law is not None and contact.friction_law.needs_motion
-        else contact
+        replace(contact, friction_law=contact.friction_law and contact.friction_law.at_rest)
         for contact in problem.scene.contact
     )
     scene = replace(problem.scene, contact=contacts, motion=None, steps=Steps())

@@ -7,9 +7,23 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Contact, Load, Material, Obstacle, Run, Scene, Steps, Study, Support, run
+from fenics_contact import (
+    Contact,
+    Load,
+    Material,
+    Motion,
+    Obstacle,
+    Path,
+    Run,
+    Scene,
+    Steps,
+    Study,
+    Support,
+    run,
+)
 from fenics_contact.common.parallel import on_root
 from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.values import RAMP
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from tests.contact.laws.test_by_points import both, displaced, matrix_of
@@ -42,8 +56,15 @@ BY_SLIP = {
     "law": "incremental",
     "friction_law": {"kind": "slip dependent", "slips": [0, 0.001], "shares": [1, 0.5]},
 }
+BY_SPEED = {
+    "friction_coefficient": 0.4,
+    "law": "incremental",
+    "friction_law": {"kind": "speed dependent", "speeds": [0, 0.1], "shares": [1, 0.5]},
+}
 LAWS = {"compliance": COMPLIANCE, "pressure dependent": BY_PRESSURE, "formula": FORMULA}
 EVERY = LAWS | {"slip dependent": BY_SLIP}
+OF_MOTION = {"speed dependent": BY_SPEED}
+MOVING = {"motion": Motion(step=0.1, end=1), "density": 1.0, "path": Path((0.0,), (1.0,))}
 DEPTH = "contact.0.obstacle.indentation"
 
 
@@ -56,15 +77,15 @@ def bound(name, pressure):
     return 0.4 * np.interp(pressure, [0, 8, 20], [1, 0.9, 0.3]) * pressure
 
 
-def sheared(keys, dimension=2, **scene):
+def sheared(keys, dimension=2, *, density=None, path=RAMP, **scene):
     """A block that is held on its left, pressed onto the ground and sheared along it."""
     load = (3.0, *((1.0,) if dimension == 3 else ()), -10.0)
     axis = "xyz"[dimension - 1]
     return Scene(
         kinematics="3D" if dimension == 3 else "plane strain",
-        material=Material(1000, 0.3),
+        material=Material(1000, 0.3, density=density),
         support=(Support("x0", dict.fromkeys("xyz"[:dimension], 0)),),
-        load=(Load(f"{axis}1", traction=load),),
+        load=(Load(f"{axis}1", traction=load, path=path),),
         contact=(Contact(f"{axis}0", **keys),),
         **scene,
     )
@@ -100,16 +121,20 @@ def test_points_that_slip_carry_the_bound(name, strategy, law):
     assert result.contacts[0].parameters["friction_law"].startswith(f"{name}: ")
 
 
-@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("name", EVERY | OF_MOTION)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_forms_and_points_have_one_tangent(name, dimension):
     """In every mode, and coupled it is what the bound's difference quotient says."""
-    problem = Problem.on_mesh(sheared(EVERY[name], dimension), box_body((3, 2, 2)[:dimension]))
+    moves = MOVING if name in OF_MOTION else {}
+    scene = sheared((EVERY | OF_MOTION)[name], dimension, **moves)
+    problem = Problem.on_mesh(scene, box_body((3, 2, 2)[:dimension]))
     (contact,) = problem.contacts
     surface, random = SurfaceMatrix(contact), np.random.default_rng(3)
     contact.friction.set_scale(0.005)
     if name == "slip dependent":
         contact.friction.rule.take({"slip_so_far": 0.002 * contact.trace.coordinates[:, 0]})
+    if name == "speed dependent":
+        contact.friction.rule.follow_speed(0.15 * contact.trace.coordinates[:, 0])
     for mode in ("law", "coupled", "status"):
         slip = displaced(contact, random)
         contact.friction.mode = mode

@@ -78,7 +78,7 @@ def test_a_mass_sticks_and_slips_by_turns():
 
 
 def test_it_rests_on_the_belt_in_between():
-    """By round-off: it does not creep, whatever the spring pulls."""
+    """But for slip that goes back, at most ε, whatever the spring pulls."""
     found = solved(*belt(50, 1.8))
     places = along(found, "displacement_mass")[:, 0]
     moved = np.abs(np.diff(places)) / np.ptp(places)
