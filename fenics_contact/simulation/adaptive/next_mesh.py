@@ -14,6 +14,7 @@ import numpy as np
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gathered_on_root, on_root
+from fenics_contact.mesh.gathered_mesh import CORNERS, is_of_order_1
 from fenics_contact.mesh.loading import is_geometry, load_body
 from fenics_contact.mesh.refinement import refined
 from fenics_contact.mesh.size_field import Cells, SizeField, finer_at, graded, next_sizes
@@ -21,7 +22,6 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 
-_CORNERS = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}
 # Cells that should become smaller than this are cut.
 _CUT = 0.7
 
@@ -47,7 +47,7 @@ def hindrance(scene: Scene, body: Body, is_own: bool) -> str:
             "quadrilaterals that are a mesh already cannot be refined: give their geometry (.geo, "
             ".step or .brep), or a mesh of triangles"
         )
-    if compat.geometry_nodes(body.mesh).shape[1] > _CORNERS[cell]:
+    if not is_of_order_1(body.mesh):
         return (
             "cells of order 2 that are a mesh already cannot be refined: give their geometry "
             "(.geo, .step or .brep), or a mesh of order 1"
@@ -108,7 +108,7 @@ def _own_cells(scene: Scene, body: Body, squared: Array) -> dict[str, Any]:
     """This rank's cells: number and place of the vertices, errors, and which mesh each is of."""
     mesh = body.mesh
     cells = mesh.topology.index_map(body.dimension).size_local
-    corners = _CORNERS[mesh.topology.cell_name()]
+    corners = CORNERS[mesh.topology.cell_name()]
     nodes = compat.geometry_nodes(mesh)[:cells, :corners]
     sources = np.zeros(cells, dtype=np.int64)
     for number, source in enumerate(scene.mesh if len(scene.mesh) > 1 else ()):

@@ -6,14 +6,10 @@ import logging
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import Flags
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.common.timings import Timings
-from fenics_contact.mesh.refinement import refined
-from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.mesh.gathered_mesh import is_of_order_1
+from fenics_contact.mesh.refinement import halved
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.results.records.vibration import DampingRecord, ModeRecord
@@ -32,7 +28,6 @@ _OF_CELLS = 2.0
 # For what is not the leading order.
 _SAFETY = 1.25
 _FEWEST_INCREMENTS = 8
-_CUT = ("triangle", "tetrahedron")
 
 # Of each mode by its number; of each amplitude by mode, amplitude and values of other numbers.
 Values = dict[Hashable, dict[str, float]]
@@ -167,23 +162,12 @@ def _by_increments(found: Vibration, kept: KeptBody, scene: Scene) -> Values | N
 
 
 def _by_mesh(found: Vibration, kept: KeptBody, scene: Scene) -> Values | None:
-    """With cells of half the size; None where these cannot be cut; collective."""
-    finer = _cut(kept.discrete.spaces.body)
-    if finer is None:
+    """With cells of half the size; None where these have curved sides; collective."""
+    body = kept.discrete.spaces.body
+    if not is_of_order_1(body.mesh):
         return None
-    other = KeptBody(scene, finer, Timings(), KnownFactors())
+    other = KeptBody(scene, halved(body), Timings(), KnownFactors())
     try:
         return _apart(found, other, scene, _OF_CELLS)
     finally:
         other.close()
-
-
-def _cut(body: Body) -> Body | None:
-    """Each triangle in four, each tetrahedron in eight; collective."""
-    mesh = body.mesh
-    is_straight = compat.geometry_nodes(mesh).shape[1] == body.dimension + 1
-    if mesh.topology.cell_name() not in _CUT or not is_straight:
-        return None
-    count = mesh.topology.index_map(body.dimension).size_global
-    every: Flags | None = np.ones(count, dtype=bool) if mesh.comm.rank == 0 else None
-    return refined(body, every)

@@ -9,10 +9,9 @@ from mpi4py import MPI
 from fenics_contact import Damping, Run, SolverSettings
 from fenics_contact.results.words.vibration import damping_rows, mode_rows
 from fenics_contact.simulation.output.mode_files import damping_rows as rows_of_file
-from fenics_contact.simulation.vibration.errors import _cut, _rows
+from fenics_contact.simulation.vibration.errors import _rows
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.vibration import bar
-from tests.scenes import box_body
 
 pytestmark = pytest.mark.errors
 
@@ -20,18 +19,18 @@ COMM = MPI.COMM_WORLD
 LENGTH, SPRING, HEIGHT, LIMIT, SECTION = 20.0, 2.0, 0.2, 0.3, 200.0
 
 
-def triangles():
-    """The bar of ``verify damping`` in ten cells, each cut in two."""
+def bar_of(cell):
+    """The bar of ``verify damping`` in ten cells; in triangles each is cut in two."""
     end = LENGTH + SPRING
     parts = (
         Box("bar", (0, 0), (LENGTH, HEIGHT), (10, 1)),
         Box("spring", (LENGTH, 0), (end, HEIGHT), (1, 1)),
         Box("mass", (end, 0), (end + 2, HEIGHT), (1, 1)),
     )
-    return boxes(parts, "triangle", welded=(("bar", "spring", "mass"),))
+    return boxes(parts, cell, welded=(("bar", "spring", "mass"),))
 
 
-def driven(errors, limit=LIMIT):
+def driven(errors, limit=LIMIT, cell="triangle"):
     scene = bar.bar_scene()
     contact = dataclasses.replace(scene.contact[0], friction_coefficient=limit)
     scene = dataclasses.replace(
@@ -40,7 +39,7 @@ def driven(errors, limit=LIMIT):
         damping=Damping((0.03,), increments=16),
         solver=SolverSettings(errors=errors),
     )
-    return Run(scene, COMM, triangles()).solve()
+    return Run(scene, COMM, bar_of(cell)).solve()
 
 
 def by_formulas(found):
@@ -57,8 +56,9 @@ def by_formulas(found):
     }
 
 
-def test_bars_hold_and_a_wrong_joint_is_beyond_them():
-    found = driven("all")
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+def test_bars_hold_and_a_wrong_joint_is_beyond_them(cell):
+    found = driven("all", cell=cell)
     (row,), (mode,) = found.damping, found.modes
     for name, exact in by_formulas(found).items():
         bar_of_it = row.errors[name]["total"]
@@ -70,7 +70,7 @@ def test_bars_hold_and_a_wrong_joint_is_beyond_them():
     stuck = mode.errors["natural_frequency"]
     assert abs(mode.natural_frequency - exact) < stuck["total"] + 0.02 * exact
     assert stuck["step"] == 0
-    wrong = driven("none", 1.3 * LIMIT)
+    wrong = driven("none", 1.3 * LIMIT, cell)
     formulas = by_formulas(wrong)
     for name in ("damping_ratio", "loss"):
         assert abs(wrong.damping[0][name] - formulas[name]) > row.errors[name]["total"], name
@@ -91,11 +91,3 @@ def test_what_is_not_known_of_one_source_is_not_known_in_all():
     assert rows["loss"]["total"] == pytest.approx(0.3)
     # An amplitude to which another answer did not come.
     assert _rows({"loss": 1.0}, {"mesh": {}}, 1)["loss"] == {"mesh": None, "total": None}
-
-
-def test_cells_that_can_be_cut_are_cut_in_half():
-    body = triangles()
-    finer = _cut(body)
-    count = body.mesh.topology.index_map(2).size_global
-    assert finer.mesh.topology.index_map(2).size_global == 4 * count
-    assert _cut(box_body((2, 1), (2, 1))) is None  # of quadrilaterals
