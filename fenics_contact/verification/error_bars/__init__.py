@@ -4,6 +4,7 @@ A module of cases ends with a tuple ``CASES``; the one below lists them all.
 """
 
 from fenics_contact.verification.error_bars import bodies as body_cases
+from fenics_contact.verification.error_bars import cyclic as cyclic_cases
 from fenics_contact.verification.error_bars import flat as flat_cases
 from fenics_contact.verification.error_bars import lifting as lifting_cases
 from fenics_contact.verification.error_bars import round as round_cases
@@ -14,6 +15,7 @@ CASES: tuple[BarCase, ...] = (
     *flat_cases.CASES,
     *lifting_cases.CASES,
     *body_cases.CASES,
+    *cyclic_cases.CASES,
 )
 
 __all__ = ["CASES", "BarCase"]

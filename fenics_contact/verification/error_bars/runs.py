@@ -12,6 +12,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fenics_contact.common.errors import FenicsContactError
+from fenics_contact.results.records.cycles import CycleRecord
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.result import Result
 from fenics_contact.simulation.scene_run import Run
@@ -26,6 +27,9 @@ from fenics_contact.verification.error_bars.case import (
     size_of,
     without_penalties,
 )
+
+# Of the last cycle, where loads come again.
+CYCLE_LOSS = "cycle_loss"
 
 Errors = Mapping[str, Mapping[str, float | None]]
 
@@ -61,7 +65,10 @@ class BarOutcome:
 def answer_with_errors(model: Model) -> Answer:
     """Solve, and estimate all errors; collective."""
     found = _solved(model, "all")
-    return Answer(found.quantities, found.errors)
+    last = _last_cycle(found)
+    if last is None:
+        return Answer(found.quantities, found.errors)
+    return Answer(_with_loss(found), {**found.errors, CYCLE_LOSS: last.errors})
 
 
 def run_bar_case(case: BarCase, quick: bool, solver: Solver = answer_with_errors) -> BarOutcome:
@@ -91,10 +98,20 @@ def reference_of(case: BarCase, load: float) -> Reference:
     assert case.finer is not None
     models = [case.finer(level, load) for level in (0, 1)]
     coarse, fine = (
-        without_penalties(model.scene, _solved(model, "none").quantities) for model in models
+        without_penalties(model.scene, _with_loss(_solved(model, "none"))) for model in models
     )
     doubt = {name: size_of(np.subtract(value, coarse[name])) for name, value in fine.items()}
     return Reference(fine, doubt)
+
+
+def _last_cycle(found: Result) -> CycleRecord | None:
+    return None if found.cycles is None else found.cycles.each[-1]
+
+
+def _with_loss(found: Result) -> Quantities:
+    """Its quantities, and what the last cycle lost."""
+    last = _last_cycle(found)
+    return found.quantities if last is None else {**found.quantities, CYCLE_LOSS: last.loss}
 
 
 def words_of(setting: Setting) -> str:

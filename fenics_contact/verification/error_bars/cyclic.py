@@ -1,0 +1,183 @@
+"""Loads that go to and fro: what a cycle loses, beside all else."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from fenics_contact.analytic import contact as formulas
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.program import mesh_file
+from fenics_contact.results.records.record import Quantities
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.conditions import Load, Support
+from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.scene.material import Material
+from fenics_contact.scene.obstacle import Obstacle
+from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
+from fenics_contact.scene.steps import SolverSettings, Steps
+from fenics_contact.scene.values import Path
+from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.error_bars.case import (
+    BarCase,
+    Element,
+    Model,
+    Parameters,
+    of_element,
+)
+from fenics_contact.verification.error_bars.runs import CYCLE_LOSS
+from fenics_contact.verification.hard.bodies import box
+
+_HELD = Path(time=(0.0, 1.0), factor=(0.0, 1.0))
+_TO_AND_FRO = Path(time=(1.0, 2.0, 4.0, 6.0), factor=(0.0, 1.0, -1.0, 1.0))
+_CYCLES = 2
+_INCREMENTS, _FINE_INCREMENTS = 8, (48, 96)
+_PARAMETERS = (Parameters(), Parameters(1e-6, 1e-7), Parameters(1e-5, 1e-6))
+
+
+def _cycled(scene: Scene, increments: int) -> Scene:
+    """Pressed in a load step, moved in another, then to and fro."""
+    return dataclasses.replace(
+        scene,
+        steps=Steps(times=(1.0, 2.0)),
+        cycles=Cycles(begin=2.0, end=6.0, increments=increments, number=_CYCLES, until="end"),
+        solver=SolverSettings(strategy="monolithic"),
+    )
+
+
+# ---------------------------------------------------------------- a bar that slips on a plane
+
+_YOUNG, _LENGTH, _HEIGHT, _LIMIT = 1000.0, 20.0, 0.2, 0.3
+
+
+def _bar(element: Element, cells: int, load: float) -> Model:
+    """Pulled and pushed at its end, from where slip comes, with a given pressure."""
+    section = _LIMIT * _LENGTH / _HEIGHT
+    scene = Scene(
+        kinematics="plane stress",
+        material=(Material(_YOUNG, 0.0),),
+        discretisation=Discretisation(int(element[1])),
+        support=(Support("bar.y0", {"y": 0}),),
+        load=(Load("bar.x1", traction=(load * section, 0), path=_TO_AND_FRO),),
+        contact=(Contact("bar.y1", pressure=1.0, friction_coefficient=_LIMIT, law="incremental"),),
+    )
+    kind = "triangle" if element.startswith("P") else "quadrilateral"
+    body = boxes((Box("bar", (0, 0), (_LENGTH, _HEIGHT), (10 * cells, 1)),), kind)
+    return Model(_cycled(scene, _INCREMENTS), body)
+
+
+def _of_bar(load: float) -> Quantities:
+    """2 F³/(3 EA q), with q the friction on a length."""
+    force = load * _LIMIT * _LENGTH
+    return {CYCLE_LOSS: 2 * force**3 / (3 * _YOUNG * _HEIGHT * _LIMIT)}
+
+
+# ---------------------------------------------------------------- a cylinder that is rocked
+
+
+def _strip(size: float, cells_outside: int, increments: int, load: float) -> Scene:
+    """A parabola pressed on a strip, then pushed sideways, to and fro."""
+    force = formulas.line_force(formulas.plane_strain_modulus(1000, 0.45), 400, 1)
+    obstacle = Obstacle(
+        "parabola",
+        radius=400,
+        force=force,
+        path=_HELD,
+        displacement=(0.00336 * load, 0),
+        displacement_path=_TO_AND_FRO,
+    )
+    scene = Scene(
+        kinematics="plane strain",
+        mesh=(
+            MeshSource(
+                mesh_file("strip.geo"),
+                cell="quadrilateral",
+                parameters={"fine": 1.5, "size": size, "cells_outside": cells_outside},
+            ),
+        ),
+        material=(Material(1000, 0.45),),
+        support=(Support("bottom", {"x": 0, "y": 0}),),
+        contact=(
+            Contact("contact", obstacle=obstacle, friction_coefficient=0.5, law="incremental"),
+        ),
+    )
+    return _cycled(scene, increments)
+
+
+def _parabola(element: Element, cells: int, load: float) -> Model:
+    return Model(of_element(_strip(0.3 / cells, 6 * cells, _INCREMENTS, load), element))
+
+
+def _finer_parabola(level: int, load: float) -> Model:
+    size, outside = ((1 / 40, 32), (1 / 60, 48))[level]
+    return Model(_strip(size, outside, _FINE_INCREMENTS[level], load))
+
+
+# ---------------------------------------------------------------- a block that is sheared
+
+
+def _block_scene(increments: int, degree: int, load: float) -> Scene:
+    """A block that lies on a plane under a pressure, its top pushed to and fro until it slides."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=(Material(1000, 0.3),),
+        discretisation=Discretisation(degree),
+        support=(Support("top", {"x": 0.0175 * load}, path=_TO_AND_FRO),),
+        load=(Load("top", pressure=10, path=_HELD),),
+        contact=(Contact("bottom", friction_coefficient=0.3, law="incremental"),),
+    )
+    return _cycled(scene, increments)
+
+
+def _block(element: Element, cells: int, load: float) -> Model:
+    body = box((8 * cells, 4 * cells), (2, 1), simplices=element.startswith("P"))
+    return Model(_block_scene(_INCREMENTS, int(element[1]), load), body)
+
+
+def _towards_the_corners(points: Array) -> Array:
+    """Cells that shrink towards the ends of the foot."""
+    moved = points.copy()
+    across = points[:, 0] - 1
+    moved[:, 0] = 1 + 0.5 * across * (3 - across**2)
+    moved[:, 1] = points[:, 1] ** 2
+    return moved
+
+
+def _finer_block(level: int, load: float) -> Model:
+    cells = (40, 56)[level]
+    body = box((2 * cells, cells), (2, 1), move=_towards_the_corners)
+    return Model(_block_scene(_FINE_INCREMENTS[level], 2, load), body)
+
+
+CASES: tuple[BarCase, ...] = (
+    BarCase(
+        name="bar_to_and_fro",
+        summary="bar on a plane, pulled and pushed at its end, three forces",
+        source="statics: slip creeps in from the end; 2 F³/(3 EA q) a cycle",
+        role="tested",
+        model=_bar,
+        elements=("Q1", "Q2", "P1"),
+        parameters=(Parameters(), Parameters(1e-5), Parameters(1e-4)),
+        loads=(0.3, 0.5, 0.8),
+        exact=_of_bar,
+    ),
+    BarCase(
+        name="parabola_to_and_fro",
+        summary="parabola pressed on a strip, then pushed sideways, to and fro",
+        source="the same on much finer meshes, with 96 increments",
+        role="tested",
+        model=_parabola,
+        elements=("Q2", "P2"),
+        parameters=(Parameters(1e-8, None), Parameters(1e-7, 1e-8), Parameters(1e-6, 1e-7)),
+        finer=_finer_parabola,
+    ),
+    BarCase(
+        name="block_to_and_fro",
+        summary="block on a plane under pressure, sheared to and fro until it slides",
+        source="the same on much finer meshes, with 96 increments",
+        role="tested",
+        model=_block,
+        elements=("Q2", "P2", "Q1"),
+        parameters=_PARAMETERS,
+        finer=_finer_block,
+    ),
+)
