@@ -27,6 +27,9 @@ class Law(Protocol):
     def thickness_strain(self, xx: Expr, yy: Expr, xy: Expr) -> Expr:
         """The e_zz that makes σ_zz vanish (plane stress), from the strains in the plane."""
 
+    def wave_modulus(self, is_plane_stress: bool) -> Expr:
+        """ρ c², of the fastest plane wave along an axis."""
+
     def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Law:
         """The same law with other things, such as numbers, in place of its coefficients."""
 
@@ -68,6 +71,12 @@ class Isotropic:
         """−ν/(1−ν) (e_xx + e_yy)."""
         return -self.poissons_ratio / (1 - self.poissons_ratio) * (xx + yy)
 
+    def wave_modulus(self, is_plane_stress: bool) -> Expr:
+        """λ + 2 G, in plane stress E/(1 − ν²)."""
+        if is_plane_stress:
+            return ufl.as_ufl(self.youngs_modulus / (1 - self.poissons_ratio**2))
+        return ufl.as_ufl(self.bulk_modulus + 4 * self.shear_modulus / 3)
+
     def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Isotropic:
         """The same law of what a function makes of its coefficients."""
         return Isotropic(value_of(self.youngs_modulus), value_of(self.poissons_ratio))
@@ -98,6 +107,11 @@ class Anisotropic:
         entry = self.entries.get
         in_plane = entry((2, 0), 0) * xx + entry((2, 1), 0) * yy + 2 * entry((2, 5), 0) * xy
         return -in_plane / self.entries[2, 2]
+
+    def wave_modulus(self, is_plane_stress: bool) -> Expr:
+        """The largest of E_xxxx, E_yyyy and E_zzzz; in plane stress they are a bound."""
+        along = [ufl.as_ufl(self.entries[axis, axis]) for axis in range(3)]
+        return ufl.max_value(along[0], ufl.max_value(along[1], along[2]))
 
     def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Anisotropic:
         """The same law of what a function makes of its coefficients."""

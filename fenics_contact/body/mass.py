@@ -41,7 +41,7 @@ class Mass:
     def __init__(self, materials: Sequence[Material], spaces: Spaces) -> None:
         self._spaces = spaces
         self._matrix: csr_matrix | None = None  # of this rank's cells
-        self.density = _density(materials, spaces)
+        self.density = density_of(materials, spaces)
         u = ufl.TrialFunction(spaces.displacement_space)
         v = ufl.TestFunction(spaces.displacement_space)
         self.consistent = form_cache.form(self._weighted * ufl.inner(u, v) * self._measure)
@@ -100,7 +100,16 @@ class Mass:
         return spaces.summed(nodal)[:, 0]
 
 
-def _density(materials: Sequence[Material], spaces: Spaces) -> fem.Constant | fem.Function:
+def density_of(materials: Sequence[Material], spaces: Spaces) -> fem.Constant | fem.Function:
+    """ρ, a coefficient in UFL (mass/volume); collective.
+
+    Args:
+        materials: Of the scene; each must have a density.
+        spaces: Of the body.
+
+    Raises:
+        InputError: A material has no density, or it is not greater than 0 everywhere.
+    """
     values = []
     for number, material in enumerate(materials):
         if material.density is None:

@@ -24,6 +24,7 @@ from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.drive import Disturbance, Drive
 from fenics_contact.problem.far_field import FarField
+from fenics_contact.problem.inertia.automatic_step import with_time_step
 from fenics_contact.problem.inertia.inertia import Inertia
 from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.scalar_unknowns import (
@@ -82,7 +83,7 @@ class Problem:
     ) -> None:
         timings = timings or Timings()
         discrete.require_fit(scene)
-        self.scene = scene
+        scene = self.scene = with_time_step(scene, discrete.elastic, discrete.spaces)
         self.discrete = discrete
         self.spaces, self.displacement = discrete.spaces, discrete.displacement
         self.elastic, self.constrained = discrete.elastic, discrete.constrained

@@ -129,6 +129,7 @@ class Run:
         else:
             body = body or mesh_of(scene, comm, self.timings)
             self.problem = Problem.on_mesh(scene, body, self.timings)
+            self.scene = self.problem.scene  # with the time step that it has chosen
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)
         self._keys = keys_asked_of(self.problem) if is_asked else []

@@ -6,6 +6,7 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
+from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import largest
 from fenics_contact.mesh.gathered_mesh import is_of_order_1
 from fenics_contact.mesh.refinement import halved
@@ -27,17 +28,35 @@ def two_bodies(cell, dimension):
 
 
 def sizes(body):
-    """Volume of each group of cells; ∫ (1 + x²) of each group of sides and the means of n."""
-    mesh, found = body.mesh, {}
-    x, normal = ufl.SpatialCoordinate(mesh), ufl.FacetNormal(mesh)
+    """Volume of each group of cells; of each group of sides the area and where its middle is."""
+    mesh, dimension, found = body.mesh, body.dimension, {}
+    constants = fem.functionspace(mesh, ("DG", 0))
+    volumes = fem.assemble_vector(fem.form(ufl.TestFunction(constants) * ufl.dx)).array
     for name, group in body.groups.items():
-        whole = group.dimension == body.dimension
-        kind, tags = ("dx", body.cell_tags) if whole else ("ds", body.facet_tags)
-        measure = ufl.Measure(kind, domain=mesh, subdomain_data=tags)(group.tags)
-        terms = [1 * measure] if whole else [(1 + x[0] ** 2) * measure]
-        terms += [] if whole else [n * measure for n in normal]
-        found[name] = [COMM.allreduce(fem.assemble_scalar(fem.form(term))) for term in terms]
+        entities = body.entities(group)
+        count = mesh.topology.index_map(group.dimension).size_local
+        mine = entities[entities < count]
+        if group.dimension == dimension:
+            found[name] = [COMM.allreduce(volumes[mine].sum())]
+            continue
+        nodes = compat.nodes_of_entities(mesh, dimension - 1, mine)
+        corners = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 4}
+        ends = mesh.geometry.x[nodes.reshape(-1, corners[mesh.topology.cell_name()])]
+        areas, middles = areas_of(ends), ends.mean(axis=1)
+        moments = [areas.sum(), *(areas @ middles)]
+        found[name] = COMM.allreduce(np.array(moments)).tolist()
     return found
+
+
+def areas_of(ends):
+    """Lengths of edges, areas of plane triangles and quadrilaterals, (sides,)."""
+    along = ends[:, 1] - ends[:, 0]
+    if ends.shape[1] == 2:
+        return np.linalg.norm(along, axis=1)
+    last = ends[:, 2] - ends[:, 0]
+    if ends.shape[1] == 4:
+        along, last = ends[:, 3] - ends[:, 0], ends[:, 2] - ends[:, 1]
+    return np.linalg.norm(np.cross(along, last), axis=1) / 2
 
 
 def largest_size(mesh):

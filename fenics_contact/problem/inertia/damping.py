@@ -151,12 +151,8 @@ def _dashpots(group: Group, density: Mass, elastic: ElasticBody, spaces: Spaces)
 
 def _impedances(law: Isotropic, density: Mass, is_plane_stress: bool) -> tuple[Expr, Expr]:
     """ρ c_p and ρ c_s, UFL (force·time/length³)."""
-    shear = law.shear_modulus
-    lame = law.bulk_modulus - 2 * shear / 3
-    if is_plane_stress:
-        lame = 2 * shear * lame / (lame + 2 * shear)
     rho = density.density
-    return ufl.sqrt(rho * (lame + 2 * shear)), ufl.sqrt(rho * shear)
+    return ufl.sqrt(rho * law.wave_modulus(is_plane_stress)), ufl.sqrt(rho * law.shear_modulus)
 
 
 def _diagonal_blocks(matrix: csr_matrix, nodes: int, size: int) -> Array:

@@ -50,10 +50,11 @@ class Model(Record):
         used_share_of_limit_load: Share of all friction that it takes to hold the loads, 1 at the
             limit load.
         symmetry: Planes of symmetry that the model ends in, or `none`.
+        time_step: Length of each step of a motion (time).
         bulk_factorisations: How often the stiffness of the bodies was factorised.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"bulk_factorisations"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"time_step", "bulk_factorisations"})
 
     kinematics: Kinematics
     degree: int = 1
@@ -74,6 +75,7 @@ class Model(Record):
     stabilised_motions: list[str] = field(default_factory=list)
     used_share_of_limit_load: float = 0.0
     symmetry: str = "none"
+    time_step: float | None = None
     bulk_factorisations: int | None = None
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # Of a step, by which the last one may end behind the end.
 _SAME = 1e-9
-_MOST = 100_000
+MOST_STEPS = 100_000
 _LAWS = ("unilateral", "winkler", "prescribed")
 
 
@@ -60,11 +60,10 @@ class Motion:
     """
 
     step: Annotated[
-        Positive,
-        TIME,
+        Annotated[Positive, TIME] | Literal["automatic"],
         Field(
             description="of each step; shortened if need be, so that all are of one length. A wave "
-            "should not pass much more than a cell in it"
+            "should not pass much more than a cell in it; `automatic`: it just passes one"
         ),
     ]
     end: Annotated[Positive, TIME, Field(description="at which it ends")]
@@ -94,14 +93,18 @@ class Motion:
     ] = ()
 
     def __post_init__(self) -> None:
+        if self.step == "automatic":
+            return
         if self.step > self.end:
             raise ValueError(f"step = {self.step:g} must not exceed end = {self.end:g}")
-        if self.end / self.step > _MOST:
-            raise ValueError(f"end / step must be at most {_MOST} steps")
+        if self.end / self.step > MOST_STEPS:
+            raise ValueError(f"end / step must be at most {MOST_STEPS} steps")
 
     @cached_property
     def steps(self) -> Steps:
-        """Its steps, all of one length."""
+        """Its steps, all of one length; how many there are is open as long as that is."""
+        if self.step == "automatic":
+            return Steps(automatic=True, end=self.end)
         return Steps(number=math.ceil(self.end / self.step * (1 - _SAME)), end=self.end)
 
     @property
