@@ -40,9 +40,8 @@ class CurvedSides:
     def __init__(self, spaces: Spaces, left_out: list[Group]) -> None:
         self._spaces = spaces
         mesh = spaces.body.mesh
-        exterior = compat.exterior_facets(mesh)
-        pairs = np.asarray(compat.boundary_entities(mesh.topology, exterior)).reshape(-1, 2)
-        whole, first = _gathered(spaces, pairs)
+        pairs = exterior_pairs(spaces)
+        whole, first = gathered_facets(spaces, pairs)
         space = fem.functionspace(mesh, ("DG", 2 * spaces.geometry_order))
         offset = fem.Function(space)
         missed = self._fill(offset, SmoothSurface(whole), pairs, first)
@@ -122,8 +121,20 @@ class CurvedSides:
         return missed
 
 
-def _gathered(spaces: Spaces, pairs: AnyIntegers) -> tuple[FacetMesh, int]:
-    """All facets of all ranks, and the number of this rank's first; collective."""
+def exterior_pairs(spaces: Spaces) -> AnyIntegers:
+    """(cell, local facet) of this rank's own sides of the body, (facets, 2)."""
+    mesh = spaces.body.mesh
+    exterior = compat.exterior_facets(mesh)
+    return np.asarray(compat.boundary_entities(mesh.topology, exterior)).reshape(-1, 2)
+
+
+def gathered_facets(spaces: Spaces, pairs: AnyIntegers) -> tuple[FacetMesh, int]:
+    """All facets of all ranks, and the number of this rank's first; collective.
+
+    Args:
+        spaces: Those of the body.
+        pairs: This rank's, as of ``exterior_pairs``.
+    """
     mesh, size = spaces.body.mesh, spaces.components
     dimension = spaces.body.dimension - 1
     layout = compat.geometry_layout(mesh)

@@ -37,6 +37,7 @@ from fenics_contact.simulation import verdict
 from fenics_contact.simulation.asked_derivatives.asked import keys_asked_of
 from fenics_contact.simulation.asked_of_answer import AskedOfAnswer
 from fenics_contact.simulation.description import model_of, record_of, units_of
+from fenics_contact.simulation.motion_errors import MotionErrors
 from fenics_contact.simulation.output.functions import Fields
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_mesh import mesh_of
@@ -52,6 +53,7 @@ from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.static_start import begin_motion
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
+from fenics_contact.trust.error_estimates.budget import ErrorBudget
 
 logger = logging.getLogger(__name__)
 
@@ -227,8 +229,20 @@ class Run:
             return self._unconverged(error, way.tried, way.spent)
         except StoppedError:
             return self._interrupted()
+        if self.scene.motion is not None and self.scene.solver.errors == "all":
+            self.end.budget = self._budget_of_motion()
         result = self._evaluate()
         return result if self.scene.accuracy is not None else self.with_all_asked(result)
+
+    def _budget_of_motion(self) -> ErrorBudget:
+        """Of its last step; collective."""
+
+        def again(scene: Scene, body: Body) -> Result:
+            return Run(scene, self.problem.comm, body).solve(announce=lambda number, step: None)
+
+        with self.timings.phase("errors"):
+            parts = self.scene, self.problem.spaces, self.contacts(), self.steps[-1]
+            return MotionErrors(*parts, again).budget()
 
     def with_all_asked(self, result: Result) -> Result:
         """With derivatives and modes that the scene asks for, if any; collective.

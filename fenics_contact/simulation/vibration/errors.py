@@ -9,20 +9,18 @@ from dataclasses import replace
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.mesh.gathered_mesh import is_of_order_1
-from fenics_contact.mesh.refinement import halved
+from fenics_contact.problem.halved_body import halved_body
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.results.records.vibration import DampingRecord, ModeRecord
-from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.less_of import FACTOR, with_less
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.vibration.vibration import Vibration, vibration_of
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 
 logger = logging.getLogger(__name__)
 
-# The part of ε and of ε₁ that is left.
-_LEFT = 1 / 32
 # Of a difference to half the cells: errors of first order at the least, as beside edges of slip.
 _OF_CELLS = 2.0
 # For what is not the leading order.
@@ -123,18 +121,12 @@ def _by_parameter(
     found: Vibration, kept: KeptBody, scene: Scene, contacts: Sequence[ContactRecord], name: str
 ) -> Values | None:
     """With a small part of ε or of ε₁, as far as contacts have any; collective."""
-
-    def less(contact: Contact, record: ContactRecord) -> Contact:
-        used = record.parameters.get(name)
-        return replace(contact, **{name: _LEFT * used}) if used else contact
-
-    if any(isinstance(record.parameters.get(name), str) for record in contacts):
-        return None  # it varies over the contact
-    pairs = zip(scene.contact, contacts, strict=True)
-    changed = tuple(less(contact, record) for contact, record in pairs)
-    if changed == scene.contact:
+    other = with_less(scene, contacts, name)
+    if other is None:
+        return None
+    if other == scene:
         return _none(found)
-    return _apart(found, kept, replace(scene, contact=changed), 1 / (1 - _LEFT) ** 2)
+    return _apart(found, kept, other, FACTOR)
 
 
 def _by_tolerance(found: Vibration, scene: Scene) -> Values:
@@ -163,10 +155,10 @@ def _by_increments(found: Vibration, kept: KeptBody, scene: Scene) -> Values | N
 
 def _by_mesh(found: Vibration, kept: KeptBody, scene: Scene) -> Values | None:
     """With cells of half the size; None where these have curved sides; collective."""
-    body = kept.discrete.spaces.body
-    if not is_of_order_1(body.mesh):
+    spaces = kept.discrete.spaces
+    if not is_of_order_1(spaces.body.mesh):
         return None
-    other = KeptBody(scene, halved(body), Timings(), KnownFactors())
+    other = KeptBody(scene, halved_body(spaces), Timings(), KnownFactors())
     try:
         return _apart(found, other, scene, _OF_CELLS)
     finally:

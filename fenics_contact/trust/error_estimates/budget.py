@@ -21,7 +21,8 @@ from fenics_contact.trust.error_estimates.measured import Measured
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 _OF_MOTION = (
-    "Errors of a motion are not estimated: compare with half the step, and with a finer mesh."
+    'Errors of a motion were not estimated: solver.errors = "all" solves it again, with half the '
+    "step, on a finer mesh, and with less of all else."
 )
 
 Row = dict[str, float | None]
@@ -53,6 +54,32 @@ class ErrorBudget:
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
     unbounded: dict[Hashable, str] = field(default_factory=dict)
+
+    @classmethod
+    def of_rows(cls, rows: Mapping[Hashable, Row], contacts: int, supports: int) -> ErrorBudget:
+        """From the errors of each quantity.
+
+        Args:
+            rows: By the keys of ``Measured``.
+            contacts: How many there are.
+            supports: Likewise.
+        """
+        of_contacts: list[dict[str, Row]] = [{} for _ in range(contacts)]
+        of = {key.of: {"reaction": row} for key, row in rows.items() if isinstance(key, Reaction)}
+        preloads: dict[str, dict[str, Row]] = {}
+        for key, row in rows.items():
+            if isinstance(key, OfPreload):
+                preloads.setdefault(key.name, {})[key.quantity] = row
+            elif isinstance(key, tuple):
+                of_contacts[key[0]][key[1]] = row
+        return cls(
+            quantities={key: row for key, row in rows.items() if isinstance(key, str)},
+            contacts=of_contacts,
+            supports=[of[number] for number in range(supports)],
+            reactions={name: row for name, row in of.items() if isinstance(name, str)},
+            preloads=preloads,
+            losses={key: row for key, row in rows.items() if isinstance(key, LossOfCycle)},
+        )
 
     def of_contact(self, number: int) -> dict[str, Row]:
         """``errors`` of a contact for ``result.json``, where there are any."""
@@ -106,41 +133,23 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     if problem.scene.solver.errors == "none" or load_steps.last is None:
         return ErrorBudget()
     if problem.inertia is not None:
-        return ErrorBudget(notes=[_OF_MOTION])
+        return ErrorBudget(notes=[] if problem.scene.solver.errors == "all" else [_OF_MOTION])
     measure = Measured(load_steps)
     answer = measure(load_steps.last.solution)
     estimates = Estimates(load_steps, measure, steps)
     found, notes = estimates.all()
     last = load_steps.last
     unbounded = Unbounded(problem, last.solution, last.unknowns.time)
-    rows, why = unbounded.strip({key: _row(key, found) for key in answer}, answer)
+    rows, why = unbounded.strip({key: row_of(key, found) for key in answer}, answer)
     notes += dict.fromkeys(why.values())
-    every = {key: row for key, row in rows.items() if isinstance(key, str)}
     if len(steps) > 1:  # what is measured is that of the last forces alone
-        every["external_work"] = _of_work(every, steps[-1]["quantities"].get("energy_defect"))
-    contacts = [
-        {key[1]: row for key, row in rows.items() if isinstance(key, tuple) and key[0] == number}
-        for number in range(len(problem.contacts))
-    ]
-    of = {key.of: {"reaction": row} for key, row in rows.items() if isinstance(key, Reaction)}
-    preloads: dict[str, dict[str, Row]] = {}
-    for key, row in rows.items():
-        if isinstance(key, OfPreload):
-            preloads.setdefault(key.name, {})[key.quantity] = row
-    return ErrorBudget(
-        quantities=every,
-        contacts=contacts,
-        supports=[of[number] for number in range(len(problem.applied_supports))],
-        reactions={name: row for name, row in of.items() if isinstance(name, str)},
-        preloads=preloads,
-        losses={key: row for key, row in rows.items() if isinstance(key, LossOfCycle)},
-        notes=notes,
-        local=estimates.local,
-        unbounded=why,
-    )
+        every = {key: row for key, row in rows.items() if isinstance(key, str)}
+        rows["external_work"] = _of_work(every, steps[-1]["quantities"].get("energy_defect"))
+    budget = ErrorBudget.of_rows(rows, len(problem.contacts), len(problem.applied_supports))
+    return replace(budget, notes=notes, unbounded=why, local=estimates.local)
 
 
-def _row(key: Hashable, found: Mapping[str, Errors]) -> Row:
+def row_of(key: Hashable, found: Mapping[str, Errors]) -> Row:
     """Errors of a quantity by source, and their sum; a source that is not there makes none."""
     row: Row = {}
     for source, errors in found.items():

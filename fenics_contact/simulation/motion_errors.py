@@ -1,0 +1,141 @@
+"""Error bars of a motion, by motions with less of each error; each is solved from its begin.
+
+How fast an error falls depends on what happens. What hits or begins to slide within a step is known
+to the first order of the step, and the fronts of waves, which elements smear, to the order ½ of the
+cells; of smooth motions errors fall faster, and the bars are wider than need be.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.timings import ESTIMATING, doing
+from fenics_contact.mesh.gathered_mesh import is_of_order_1
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.problem.halved_body import halved_body
+from fenics_contact.results.quantities import QUANTITIES, reactions_by_name
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.record import Quantities
+from fenics_contact.results.records.steps import StepRecord
+from fenics_contact.results.result import Result
+from fenics_contact.scene.quantity_names import Reaction
+from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.less_of import FACTOR, with_less
+from fenics_contact.trust.error_estimates.budget import ErrorBudget, row_of
+
+logger = logging.getLogger(__name__)
+
+# Of a difference to half the step, and to cells of half the size with half the step: by their
+# orders; and for what is not the leading order.
+_OF_STEP, _OF_CELLS, _SAFETY = 2.0, 1 / (1 - 0.5**0.5), 1.25
+_LESS_TOLERANCE = 1e-2
+
+Again = Callable[[Scene, Body], Result]
+Errors = dict[Hashable, float]
+
+
+class MotionErrors:
+    """Errors of the last step of a motion; collective.
+
+    Args:
+        scene: With the step that was taken.
+        spaces: On its mesh.
+        contacts: Of its result, with ε and ε₁ as used.
+        last: What came out of its last step.
+        again: Solves a motion.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        spaces: Spaces,
+        contacts: Sequence[ContactRecord],
+        last: StepRecord,
+        again: Again,
+    ) -> None:
+        self._spaces, self._body = spaces, spaces.body
+        self._contacts, self._last, self._again = contacts, last, again
+        settings = replace(scene.solver, errors="none")
+        self._scene = replace(scene, solver=settings)
+        self._answer = _values(last)
+
+    def budget(self) -> ErrorBudget:
+        """Of all quantities, by source."""
+        sources: dict[str, Callable[[], Errors | None]] = {
+            "mesh": self._by_mesh,
+            "penalty": lambda: self._by_parameter("penalty_parameter"),
+            "regularisation": lambda: self._by_parameter("regularisation_parameter"),
+            "iteration": self._by_tolerance,
+            "step": lambda: self._apart(self._with_half_the_step, self._body, _SAFETY * _OF_STEP),
+        }
+        found = {}
+        for source, estimate in sources.items():
+            doing(f"{ESTIMATING} by {source}")
+            found[source] = estimate()
+        rows = {key: row_of(key, found) for key in self._answer}
+        return ErrorBudget.of_rows(rows, len(self._contacts), len(self._last.supports))
+
+    @property
+    def _with_half_the_step(self) -> Scene:
+        motion = self._scene.motion
+        assert motion is not None
+        return replace(self._scene, motion=replace(motion, step=motion.size / 2))
+
+    def _by_mesh(self) -> Errors | None:
+        """With half the step as well: cells of half the size alone would be passed too fast."""
+        if not is_of_order_1(self._body.mesh):
+            return None
+        return self._apart(self._with_half_the_step, halved_body(self._spaces), _SAFETY * _OF_CELLS)
+
+    def _by_parameter(self, name: str) -> Errors | None:
+        other = with_less(self._scene, self._contacts, name)
+        if other is None:
+            return None
+        if other == self._scene:
+            return {}
+        return self._apart(other, self._body, FACTOR)
+
+    def _by_tolerance(self) -> Errors | None:
+        solver = self._scene.solver
+        less = replace(solver, tolerance=_LESS_TOLERANCE * solver.tolerance)
+        return self._apart(replace(self._scene, solver=less), self._body, 1.0)
+
+    def _apart(self, scene: Scene, body: Body, factor: float) -> Errors | None:
+        """How far another answer is from the one found, times a factor."""
+        try:
+            result = self._again(scene, body)
+        except InputError as error:
+            logger.debug("  the motion again: %s", error)
+            return None
+        if not result.converged:
+            return None
+        other = _values(result.steps[-1])
+        return {
+            key: factor * float(np.linalg.norm(np.subtract(value, other[key])))
+            for key, value in self._answer.items()
+            if key in other
+        }
+
+
+def _values(step: StepRecord) -> dict[Hashable, Any]:
+    """By the keys of budgets: what has a true value."""
+    found: dict[Hashable, Any] = dict(_true(step.quantities).items())
+    for number, contact in enumerate(step.contacts):
+        found |= {(number, name): value for name, value in _true(contact.quantities).items()}
+    found |= {Reaction(number): row.reaction for number, row in enumerate(step.supports)}
+    return found | {Reaction(name): of for name, of in reactions_by_name(step.supports).items()}
+
+
+def _true(quantities: Quantities) -> dict[str, Any]:
+    return {
+        name: value
+        for name, value in quantities.items()
+        if value is not None and (name in QUANTITIES or name.startswith("displacement_"))
+    }
