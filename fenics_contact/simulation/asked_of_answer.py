@@ -96,5 +96,5 @@ class AskedOfAnswer:
             logger.warning("%s", words)
             return dataclasses.replace(result, verdict=f"{result.verdict} {words}")
         self.stability = found
-        said = [result.verdict, stability_words(found.record), *found.notes]
+        said = [result.verdict, stability_words(found.record, result.units), *found.notes]
         return dataclasses.replace(result, stability=found.record, verdict=" ".join(said))

@@ -124,7 +124,7 @@ def page(content: Content) -> str:
         modes=mode_rows(result),
         damping=damping_rows(result),
         stability=stability_rows(result),
-        stability_words="" if result.stability is None else stability_words(result.stability),
+        stability_words=result.stability and stability_words(result.stability, result.units),
         derivatives=derivative_rows(result),
         notes_on_derivatives=notes_on_derivatives(result),
         uncertainties=uncertainty_rows(result),

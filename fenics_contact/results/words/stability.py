@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.stability import StabilityRecord
+from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
 from fenics_contact.results.words.tables import headed
+
+# What they measure.
+_RATE, _FREQUENCY = "1/time", "cycles/time"
 
 
 def stability_rows(result: Outcome) -> list[list[str]]:
@@ -18,8 +22,8 @@ def stability_rows(result: Outcome) -> list[list[str]]:
     units = result.units
     head = [
         "mode",
-        headed("frequency", "cycles/time", units),
-        headed("growth rate", "1/time", units),
+        headed("frequency", _FREQUENCY, units),
+        headed("growth rate", _RATE, units),
         "damping ratio",
         "",
     ]
@@ -36,12 +40,15 @@ def stability_rows(result: Outcome) -> list[list[str]]:
     return [head, *rows]
 
 
-def stability_words(found: StabilityRecord) -> str:
-    """What came out, in one or two sentences, without units.
+def stability_words(found: StabilityRecord, units: UnitsRecord | None) -> str:
+    """What came out, in one or two sentences.
 
     Args:
         found: Of a result.
+        units: Of the run, if any.
     """
+    names = units or NO_UNITS
+    rate, frequency = (f" {names.of(what)}".rstrip() for what in (_RATE, _FREQUENCY))
     growing = [mode for mode in found.modes if mode.grows]
     said = f"Steady sliding at a friction coefficient of {found.friction_coefficient:g} "
     if growing:
@@ -50,8 +57,8 @@ def stability_words(found: StabilityRecord) -> str:
         kind = "flutters" if worst.frequency > 0 else "diverges"
         said += (
             f"{kind}: of {len(found.modes)} modes {len(growing)} {verb}, most of all number "
-            f"{worst.number}, at a rate of {worst.growth_rate:.3g} and a frequency of "
-            f"{worst.frequency:.4g}."
+            f"{worst.number}, at a rate of {worst.growth_rate:.3g}{rate} and a frequency of "
+            f"{worst.frequency:.4g}{frequency}."
         )
     else:
         said += f"lasts, as far as {len(found.modes)} modes tell: none of them grows."

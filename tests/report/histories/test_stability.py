@@ -5,6 +5,7 @@ from mpi4py import MPI
 
 from fenics_contact.report.histories import stability
 from fenics_contact.report.histories.stability import draw_stability
+from fenics_contact.results.words.stability import stability_words
 from tests.records import made_run
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
@@ -41,3 +42,14 @@ def test_frequencies_of_all_modes_and_rates_of_those_that_grow(monkeypatch, tmp_
 def test_one_coefficient_is_no_curve(tmp_path):
     assert not draw_stability(tmp_path, found([point(0.3, [1, 2], [0, 0])]))
     assert not draw_stability(tmp_path, made_run({}))
+
+
+def test_the_sentence_has_the_units_of_the_run():
+    mode = {"number": 2, "frequency": 3.0, "growth_rate": 0.5, "damping_ratio": -0.1}
+    of_sliding = {"friction_coefficient": 0.3, "modes": [mode | {"grows": True}]}
+    of_sliding |= {"critical_coefficient": None, "curve": []}
+    units = {"length": "mm", "force": "N", "stress": "MPa", "energy": "mJ"}
+    run = made_run({"stability": of_sliding, "units": units})
+    said = stability_words(run.stability, run.units)
+    assert "number 2, at a rate of 0.5 1/s and a frequency of 3 Hz." in said
+    assert "at a rate of 0.5 and a frequency of 3." in stability_words(run.stability, None)
