@@ -34,6 +34,9 @@ from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_
 if TYPE_CHECKING:
     from fenics_contact.simulation.worn.worn_cycle import WornCycle
 
+# Steps of a motion that are many, of which strains are looked at in every fourth.
+_MANY, _SELDOM = 400, 4
+
 _Forces = TypeVar("_Forces", bound=NeededForces)
 
 
@@ -125,7 +128,7 @@ class StepHistory(Generic[_Forces]):
         if solution.cycle is not None and solution.cycle.worn is None:
             self.book.end_cycle(quantities)
         with self._timings.phase("output"):
-            sizes = self._linear_range.of(solution) if self.forces.tells_inside else {}
+            sizes = self._linear_range.of(solution) if self._looks_inside else {}
         self.steps.append(
             StepRecord(
                 load_factor=time,
@@ -154,6 +157,15 @@ class StepHistory(Generic[_Forces]):
         if self.stress is not None:
             with self._timings.phase("output"):
                 self.stress.add(time, solution)
+
+    @property
+    def _looks_inside(self) -> bool:
+        """Whether strains of the next step are looked at, which takes a quarter of its time."""
+        motion, number = self._problem.scene.motion, len(self.steps) + 1
+        if motion is None or not self.forces.tells_inside:
+            return self.forces.tells_inside
+        every = _SELDOM if motion.steps.number >= _MANY else 1
+        return number % every == 0 or number == motion.steps.number
 
     def pass_by(self, time: float, solution: Solution) -> None:
         """The same of a load step that nobody asks about; collective.
