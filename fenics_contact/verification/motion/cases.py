@@ -8,6 +8,12 @@ from math import atan, pi
 import numpy as np
 
 from fenics_contact.verification.case import Case, Finding, solved
+from fenics_contact.verification.motion.ball import (
+    ball_scene,
+    force_that_stops,
+    jerk,
+    resting_scene,
+)
 from fenics_contact.verification.motion.bars import (
     along,
     bar_on_wall,
@@ -28,6 +34,7 @@ def _motion(quick: bool) -> Iterator[Finding]:
     yield from _bars(quick)
     if not quick:
         yield from _falling()
+    yield from _balls(quick)
     yield from _oscillators(quick)
     yield from _belts(quick)
 
@@ -63,6 +70,19 @@ def _falling() -> Iterator[Finding]:
     yield Finding("energy left open in 5 s", left, 0.0, 2e-3, absolute=True)
 
 
+def _balls(quick: bool) -> Iterator[Finding]:
+    """A ball on a plane: its greatest force, and how smoothly the force goes."""
+    resting = solved(resting_scene())
+    for steps in (200,) if quick else (200, 800, 3200):
+        found = solved(ball_scene(steps))
+        force, energy = along(found, "normal_force"), found.steps[0].quantities["kinetic_energy"]
+        label = f", ball, {steps} steps of contact"
+        greatest = force_that_stops(resting, energy)
+        yield Finding(f"greatest normal_force{label}", float(force.max()), greatest, 3e-3)
+        what = f"greatest second difference of it, over it{label}"
+        yield Finding(what, jerk(force), 0.0, 5e-3, absolute=True)
+
+
 def _oscillators(quick: bool) -> Iterator[Finding]:
     """A mass on a spring, rubbed by a force: where it rests; without friction, its period."""
     for steps, tolerance in ((200, 1e-3),) if quick else ((200, 1e-3), (800, 2e-4)):
@@ -90,9 +110,10 @@ def _belts(quick: bool) -> Iterator[Finding]:
 CASES: tuple[Case, ...] = (
     Case(
         "motion",
-        "bars that hit a wall and bounce, a mass on a spring with friction, stick-slip",
-        "waves by d'Alembert; D. Doyen, A. Ern and S. Piperno (2011), Section 5; turning points of "
-        "Coulomb's oscillator; the midpoint rule's period",
+        "bars and a ball that bounce, a mass on a spring with friction, stick-slip",
+        "waves by d'Alembert; D. Doyen, A. Ern and S. Piperno (2011), Section 5; m d'' = −F(d) "
+        "with the ball's own static F(d); turning points of Coulomb's oscillator; the midpoint "
+        "rule's period",
         _motion,
     ),
 )
