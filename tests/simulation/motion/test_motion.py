@@ -1,6 +1,7 @@
 """Bodies that fly, hit and slide: against d'Alembert, Newton and Coulomb."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from fenics_contact import (
     Scene,
 )
 from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.motion.ball import force_that_stops, jerk
 from fenics_contact.verification.motion.bars import (
     along,
     bar_on_wall,
@@ -192,3 +194,38 @@ def test_two_lengths_of_a_step_that_divide_the_end_alike_are_one():
     motion = Motion(step=0.1, end=0.95)
     assert motion.steps.number == 10 and motion.size == pytest.approx(0.095)
     assert dataclasses.replace(motion, end=1.0).steps.number == 10
+
+
+@pytest.mark.parametrize(("steps", "every"), [(399, 1), (402, 4)])
+def test_of_many_steps_strains_are_looked_at_in_every_fourth_and_the_last(steps, every):
+    scene = Scene(
+        kinematics="plane strain",
+        material=(Material(100.0, 0.3, density=1.0),),
+        motion=Motion(step=1e-3, end=1e-3 * steps, velocity={"body": (0.1, 0.0)}),
+    )
+    found = solved(scene, box_body((1, 1)))
+    seen = [number for number, step in enumerate(found.steps, 1) if step.linear_range]
+    assert seen == sorted({*range(every, steps + 1, every), steps})
+    assert found.checks["linear_range"].passed
+
+
+def test_the_force_that_stops_a_ball_is_that_of_its_energy():
+    """Of F = k d^1.5, whose work is .4 F d."""
+    stiffness, moved = 50.0, np.linspace(0.05, 2, 40)
+    steps = [
+        SimpleNamespace(
+            quantities={"normal_force": stiffness * way**1.5},
+            loads=[SimpleNamespace(displacement=way)],
+        )
+        for way in moved
+    ]
+    energy = 0.4 * stiffness * 1.7**2.5
+    found = force_that_stops(SimpleNamespace(steps=steps), energy)
+    assert found == pytest.approx(stiffness * 1.7**1.5, rel=1e-3)
+    assert force_that_stops(SimpleNamespace(steps=steps), 1.02 * energy) > 1.005 * found
+
+
+def test_a_force_that_rings_jerks():
+    smooth = np.sin(np.linspace(0, np.pi, 101))
+    assert jerk(smooth) == pytest.approx((np.pi / 100) ** 2, rel=1e-2)
+    assert jerk(smooth + 0.01 * smooth * (-1) ** np.arange(101)) > 0.03
