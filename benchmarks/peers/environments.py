@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 _DEBIAN_PYTHON = "/usr/bin/python3"
+_OLDER = ("python3.12", "python3.11")
 
 
 class MissingError(Exception):
@@ -32,14 +33,24 @@ def python_of(name: str, install: tuple[str, tuple[str, ...]]) -> str:
         MissingError: It cannot be installed here.
     """
     how, packages = install
-    return {"here": _here, "pip": _with_pip, "apt": _with_apt}[how](name, packages)
+    ways = {"here": _here, "pip": _with_pip, "pip, older Python": _with_older, "apt": _with_apt}
+    return ways[how](name, packages)
 
 
 def _here(name: str, packages: tuple[str, ...]) -> str:
     return sys.executable
 
 
-def _with_pip(name: str, packages: tuple[str, ...]) -> str:
+def _with_older(name: str, packages: tuple[str, ...]) -> str:
+    """Of packages whose files for the newest Python are damaged."""
+    for version in _OLDER:
+        found = shutil.which(version)
+        if found and subprocess.run([found, "--version"], capture_output=True).returncode == 0:
+            return _with_pip(name, packages, found)
+    raise MissingError(f"{' or '.join(_OLDER)} is needed for {', '.join(packages)}")
+
+
+def _with_pip(name: str, packages: tuple[str, ...], by: str = sys.executable) -> str:
     folder = cache() / name
     python, done = folder / "bin" / "python", folder / "installed.txt"
     wanted = "\n".join(packages)
@@ -47,7 +58,7 @@ def _with_pip(name: str, packages: tuple[str, ...]) -> str:
         return str(python)
     shutil.rmtree(folder, ignore_errors=True)
     print(f"installing {', '.join(packages)} into {folder}", flush=True)
-    _run([sys.executable, "-m", "venv", str(folder)])
+    _run([by, "-m", "venv", str(folder)])
     _run([str(python), "-m", "pip", "install", "--quiet", *packages])
     done.write_text(wanted, encoding="utf-8")
     return str(python)

@@ -12,26 +12,35 @@ LEVELS = (1, 2, 3, 4)
 
 
 @dataclasses.dataclass(frozen=True)
-class Indentation:
-    """A rigid paraboloid pressed into a cylinder that is held at its side and its bottom.
-
-    Axisymmetric: x is the radius, the body lies below y = 0. Lengths and stresses in any units.
+class Compared:
+    """What all problems have.
 
     Attributes:
         name: In rows and file names.
         title: On the page.
-        friction: Coefficient of Coulomb's law; 0 without.
-        steps: Equal load steps to the whole indentation.
-        references: By quantity.
+        references: By quantity, of the whole body where a half or a quarter is modelled.
         source: Where the references come from.
     """
 
     name: str
     title: str
-    friction: float
-    steps: int
     references: dict[str, float]
     source: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Indentation(Compared):
+    """A rigid paraboloid pressed into a cylinder that is held at its side and its bottom.
+
+    Axisymmetric: x is the radius, the body lies below y = 0. Lengths and stresses in any units.
+
+    Attributes:
+        friction: Coefficient of Coulomb's law; 0 without.
+        steps: Equal load steps to the whole indentation.
+    """
+
+    friction: float
+    steps: int
     youngs_modulus: float = 1000.0
     poissons_ratio: float = 0.3
     radius: float = 8.0  # of curvature of the paraboloid
@@ -56,23 +65,13 @@ class Indentation:
 
 
 @dataclasses.dataclass(frozen=True)
-class Slab:
+class Slab(Compared):
     """A slab in plane stress, pressed by a given pressure on a rough ceiling and pushed sideways.
 
     Its corner is the origin; it stands on a smooth floor, and a smooth wall at x = 0. Example 1 of
     Campos, Oden and Kikuchi (1982).
-
-    Attributes:
-        name: In rows and file names.
-        title: On the page.
-        references: By quantity.
-        source: Where the references come from.
     """
 
-    name: str
-    title: str
-    references: dict[str, float]
-    source: str
     youngs_modulus: float = 1000.0
     poissons_ratio: float = 0.3
     length: float = 8.0
@@ -92,6 +91,105 @@ class Slab:
         return [size * n for n in range(along + 1)], [size * n for n in range(up + 1)]
 
 
+@dataclasses.dataclass(frozen=True)
+class HalfSpace(Compared):
+    """A rigid paraboloid pressed on a half-space by a force, without friction."""
+
+    youngs_modulus: float = 1000.0
+    poissons_ratio: float = 0.3
+    radius: float = 8.0  # of curvature of the paraboloid
+    contact_radius: float = 2.8  # by Hertz's formula
+    width: float = 4.0  # beyond which nothing touches
+    levels: tuple[int, ...] = LEVELS
+
+    @property
+    def modulus(self) -> float:
+        """E/(1 − ν²)."""
+        return self.youngs_modulus / (1 - self.poissons_ratio**2)
+
+    @property
+    def force(self) -> float:
+        """By which it is pressed."""
+        return 4 * self.modulus * self.contact_radius**3 / (3 * self.radius)
+
+    def size(self, level: int) -> float:
+        """Of cells at the contact."""
+        return 0.5**level
+
+
+@dataclasses.dataclass(frozen=True)
+class Block(Compared):
+    """A rigid paraboloid pressed into a block that is held at its sides and its bottom, in 3D.
+
+    A quarter: planes of symmetry at x = 0 and y = 0; the body lies below z = 0.
+
+    Attributes:
+        friction: Coefficient of Coulomb's law; 0 without.
+        steps: Equal load steps to the whole indentation.
+    """
+
+    friction: float
+    steps: int
+    youngs_modulus: float = 1000.0
+    poissons_ratio: float = 0.3
+    radius: float = 8.0  # of curvature of the paraboloid
+    indentation: float = 1.0
+    extent: float = 10.0  # of the quarter, along each axis
+    fine: float = 4.0  # cube of uniform cells at the contact
+    levels: tuple[int, ...] = (4, 6, 8)
+
+    def size(self, level: int) -> float:
+        """Of cells at the contact; the level is how many there are along the fine cube."""
+        return self.fine / level
+
+    def lines(self, level: int) -> list[float]:
+        """Of the mesh, along all axes alike."""
+        size = self.size(level)
+        near = [size * number for number in range(level)]
+        return near + growing(self.fine, self.extent, size, round(0.75 * level))
+
+
+@dataclasses.dataclass(frozen=True)
+class Pair(Compared):
+    """A round body pressed onto a flat one, without friction; plane strain, half of it.
+
+    A plane of symmetry at x = 0. The lower body lies below y = 0 and is held at its side and its
+    bottom; the upper one lies above y = x²/(2 R), and its top is pushed down. The upper one has
+    more cells along the contact, so that their meshes do not match.
+    """
+
+    youngs_modulus: float = 1000.0
+    poissons_ratio: float = 0.3
+    # So flat that it does not matter along which of both normals a gap is measured.
+    radius: float = 200.0
+    pushed: float = 0.012
+    extent: float = 10.0  # of the lower body
+    width: float = 4.0  # of the upper one, and of the uniform cells of the lower one
+    height: float = 5.0  # of the upper one
+    levels: tuple[int, ...] = LEVELS
+
+    def size(self, level: int) -> float:
+        """Of the lower body's cells at the contact."""
+        return 0.5**level
+
+    def lines(self, level: int) -> list[float]:
+        """Of the lower mesh, along x and downwards alike."""
+        size = self.size(level)
+        near = [size * number for number in range(round(self.width / size))]
+        return near + growing(self.width, self.extent, size, round(2.4 / size))
+
+    def upper_cells(self, level: int) -> tuple[int, int]:
+        """Along x and y: four where the lower body has three."""
+        size = 0.75 * self.size(level)
+        return -round(-self.width / size // 1), -round(-self.height / size // 1)
+
+    def upper_place(self, along: float, up: float) -> tuple[float, float]:
+        """Of a point of the upper body, by shares of its width and height."""
+        x = along * self.width
+        low = x**2 / (2 * self.radius)
+        return x, low + up * (self.height - low)
+
+
 def growing(start: float, end: float, first: float, cells: int) -> list[float]:
     """Places from start to end, of cells whose lengths grow by a constant ratio from the first."""
     low, high = 1.0 + 1e-12, 10.0
@@ -103,7 +201,7 @@ def growing(start: float, end: float, first: float, cells: int) -> list[float]:
     return [*places, end]
 
 
-Problem = Indentation | Slab
+Problem = Indentation | HalfSpace | Block | Pair | Slab
 
 PROBLEMS: tuple[Problem, ...] = (
     Indentation(
@@ -131,6 +229,40 @@ PROBLEMS: tuple[Problem, ...] = (
         "1/8 is .02 % and .05 % above its force and peak pressure, NGSolve .04 % and .1 % below "
         "with the stiffer penalty. The radii are of fenics_contact alone: the others tell them to "
         "half a cell",
+    ),
+    HalfSpace(
+        "half-space",
+        "Paraboloid on a half-space",
+        references={"peak pressure": 244.8537586, "contact radius": 2.8},
+        source="Hertz's formulas, 2 E a/(π (1 − ν²) R) and a",
+    ),
+    Block(
+        "block",
+        "Paraboloid on a block in 3D",
+        friction=0.0,
+        steps=1,
+        references={"force": 5626.4, "peak pressure": 276.42},
+        source="fenics_contact with 12, 16 and 20 cells along the fine cube, up to 1,074,000 "
+        "unknowns (forces 5626.0, 5626.1 and 5626.5; peaks 276.78, 276.62 and 276.55, which fall "
+        "with the square of the cells' size)",
+    ),
+    Block(
+        "rough block",
+        "Paraboloid on a block in 3D, ten steps of Coulomb friction",
+        friction=0.6,
+        steps=10,
+        references={"force": 5729.0, "peak pressure": 298.7},
+        source="fenics_contact with 12 and 16 cells along the fine cube (forces 5732.1 and 5730.2, "
+        "peaks 299.04 and 298.89), carried on: the force to about 4e-4, so that smaller errors of "
+        "it say nothing",
+    ),
+    Pair(
+        "pair",
+        "Round body on a flat one",
+        references={"force": 4.4811, "peak pressure": 2.0188, "half-width": 1.4154},
+        source="fenics_contact with cells of 1/16 and 1/32 (forces 4.48106 and 4.48117, peaks "
+        "2.01894 and 2.01881, half-widths 1.41556 and 1.41533); forces of GetFEM and NGSolve with "
+        "1/8 are .007 % above and .012 % below it",
     ),
     Slab(
         "slab",

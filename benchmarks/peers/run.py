@@ -98,7 +98,8 @@ class Series:
         row = self.rows.get(run)
         if row is not None:
             return row["runs"] >= turn or row["process_seconds"] > _ONCE
-        coarser = self.rows.get((*run[:3], run[3] - 1))
+        before = [level for level in problem_named(run[0]).levels if level < run[3]]
+        coarser = self.rows.get((*run[:3], before[-1])) if before else None
         return coarser is not None and coarser["process_seconds"] > _ENOUGH
 
     def measure(self, turn: int) -> None:

@@ -24,7 +24,7 @@ from pictures import draw, picture_of
 from problems import PROBLEMS, growing, problem_named
 from programs import programs
 from rows import curve, envelope, merged, program_envelope, ratios, seconds_to
-from run import MEASURED, measured
+from run import MEASURED, Series, measured
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
 PROBLEM = problem_named("indentation")
@@ -132,6 +132,30 @@ def test_lines_of_the_slab_make_squares():
     assert along[1] == up[1] == 0.125 and (along[-1], up[-1]) == (8.0, 1.0)
 
 
+def test_the_round_body_has_four_cells_where_the_flat_one_has_three():
+    pair = problem_named("pair")
+    assert pair.upper_cells(3) == (43, 54)  # of .125: 32 on the same width
+    assert pair.upper_place(1.0, 0.0) == (4.0, 16 / 400)
+    assert pair.upper_place(0.5, 1.0) == (2.0, pair.height)
+
+
+def test_on_the_half_space_the_references_are_hertz_at_the_force():
+    problem = problem_named("half-space")
+    depth = problem.contact_radius**2 / problem.radius
+    hertz = formulas.paraboloid(problem.modulus, problem.radius, depth)
+    assert problem.force == pytest.approx(hertz.force)
+    assert problem.references == pytest.approx(
+        {"peak pressure": hertz.peak, "contact radius": hertz.radius}
+    )
+
+
+def test_a_quarter_of_the_block_is_fine_at_the_contact():
+    block = problem_named("block")
+    lines = block.lines(4)
+    assert lines[:5] == [0.0, 1.0, 2.0, 3.0, 4.0] and lines[-1] == block.extent
+    assert len(lines) == 8
+
+
 def test_the_edge_of_contact_lies_where_pressure_ends():
     places = sample_places(2.0, 0.5)
     assert len(places) == 160 and places[0] > 0
@@ -152,3 +176,14 @@ def test_a_run_in_a_process_of_its_own_is_a_row_with_its_answer_or_why_there_is_
 def test_a_picture_is_drawn_of_what_is_kept(tmp_path):
     draw(PROBLEM, kept(), tmp_path / "picture.png")
     assert (tmp_path / "picture.png").stat().st_size > 10_000
+
+
+def test_finer_meshes_than_a_very_slow_one_are_left_out(tmp_path):
+    """Also where levels are not numbered one by one."""
+    series = Series(tmp_path / "rows.json", ["block"], [])
+    run = ("block", "peer", "a", 8)
+    assert not series.is_enough(run, 1)
+    series.rows["block", "peer", "a", 6] = {"process_seconds": 149.0, "runs": 1}
+    assert not series.is_enough(run, 1)
+    series.rows["block", "peer", "a", 6] = {"process_seconds": 151.0, "runs": 1}
+    assert series.is_enough(run, 1) and not series.is_enough(("block", "peer", "a", 4), 1)

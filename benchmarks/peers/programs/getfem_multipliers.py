@@ -7,7 +7,10 @@ import subprocess
 from typing import Any
 
 from answers import Answer, cpu_seconds, crossing, sample_places
-from problems import Indentation, Problem, Slab
+from problems import Block, Indentation, Pair, Problem, Slab
+
+from programs.getfem_block import solve_block
+from programs.getfem_pair import solve_pair
 
 NAME = "GetFEM"
 INSTALL = ("apt", ("python3-getfem", "libopenblas0-serial"))
@@ -15,6 +18,9 @@ _TRIED = {f"r = {r:g} E": {"augmentation": r} for r in (1.0, 10.0)}
 SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
     "indentation": _TRIED,
     "friction": _TRIED,
+    "block": _TRIED,
+    "rough block": _TRIED,
+    "pair": _TRIED,
     "slab": _TRIED,
 }
 ABOUT = (
@@ -40,6 +46,10 @@ def solve(problem: Problem, level: int, setting: dict[str, Any]) -> Answer:
     """On the problem's lines."""
     if isinstance(problem, Slab):
         return _slab(problem, level, setting["augmentation"])
+    if isinstance(problem, Block):
+        return solve_block(problem, level, setting["augmentation"], _version)
+    if isinstance(problem, Pair):
+        return solve_pair(problem, level, setting["augmentation"], _version)
     return _Model(problem, level, setting["augmentation"]).answer()
 
 

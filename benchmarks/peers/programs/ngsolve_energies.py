@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import Any
 
 from answers import Answer, cpu_seconds, crossing, sample_places
-from problems import Indentation, Problem, Slab
+from problems import Block, Indentation, Pair, Problem, Slab
+
+from programs.ngsolve_block import solve_block
+from programs.ngsolve_mesh import rectangle
+from programs.ngsolve_pair import solve_pair
 
 NAME = "NGSolve"
 INSTALL = ("pip", ("ngsolve==6.2.2608",))
@@ -20,6 +23,17 @@ SETTINGS: dict[str, dict[str, dict[str, Any]]] = {
     "friction": {
         "order 2, penalty 30 E/h, along 10 E/h": {"order": 2, "penalty": 30.0, "along": 10.0},
         "order 2, penalty 100 E/h, along 10 E/h": {"order": 2, "penalty": 100.0, "along": 10.0},
+    },
+    "block": {
+        "order 2, penalty 30 E/h": {"order": 2, "penalty": 30.0},
+        "order 2, penalty 300 E/h": {"order": 2, "penalty": 300.0},
+    },
+    "rough block": {
+        "order 2, penalty 100 E/h, along 10 E/h": {"order": 2, "penalty": 100.0, "along": 10.0},
+    },
+    "pair": {
+        "order 2, penalty 30 E/h": {"order": 2, "penalty": 30.0},
+        "order 2, penalty 300 E/h": {"order": 2, "penalty": 300.0},
     },
     "slab": {
         "order 2, penalty 10 E/h": {"order": 2, "penalty": 10.0},
@@ -42,6 +56,10 @@ def solve(problem: Problem, level: int, setting: dict[str, Any]) -> Answer:
     """On the problem's lines."""
     if isinstance(problem, Slab):
         return _slab(problem, level, setting)
+    if isinstance(problem, Block):
+        return solve_block(problem, level, setting, _newton)
+    if isinstance(problem, Pair):
+        return solve_pair(problem, level, setting, _newton)
     return _Model(problem, level, setting).answer()
 
 
@@ -178,35 +196,7 @@ def _mesh(problem: Indentation, level: int) -> Any:
         "top": ["contact"] * fine + ["free"] * outwards,
         **{"bottom": ["outer"], "right": ["outer"], "left": ["axis"]},
     }
-    return _rectangle(places, [-place for place in reversed(places)], sides)
-
-
-def _rectangle(along: list[float], up: list[float], sides: dict[str, list[str]]) -> Any:
-    """Quadrilaterals between lines; sides have a name, or one for each of their cells."""
-    import netgen.meshing as netgen
-
-    mesh = netgen.Mesh(dim=2)
-    points = [[mesh.Add(netgen.MeshPoint(netgen.Pnt(x, y, 0.0))) for x in along] for y in up]
-    body = mesh.AddRegion("body", dim=2)
-    for below, above in pairwise(points):
-        for i in range(len(along) - 1):
-            corners = [below[i], below[i + 1], above[i + 1], above[i]]
-            mesh.Add(netgen.Element2D(body, corners))
-    lines = {
-        "top": points[-1][::-1],
-        "bottom": points[0],
-        "right": [row[-1] for row in points],
-        "left": [row[0] for row in points][::-1],
-    }
-    index: dict[str, int] = {}
-    for side, line in lines.items():
-        names = sides[side] * (1 if len(sides[side]) > 1 else len(line) - 1)
-        names = names[::-1] if side == "top" else names
-        for (here, there), name in zip(pairwise(line), names, strict=True):
-            if name not in index:
-                index[name] = mesh.AddRegion(name, dim=1)
-            mesh.Add(netgen.Element1D([here, there], index=index[name]))
-    return mesh
+    return rectangle(places, [-place for place in reversed(places)], sides)
 
 
 def _slab(problem: Slab, level: int, setting: dict[str, Any]) -> Answer:
@@ -215,7 +205,7 @@ def _slab(problem: Slab, level: int, setting: dict[str, Any]) -> Answer:
     import numpy as np
 
     sides = {name: [name] for name in ("top", "bottom", "right", "left")}
-    mesh = ng.Mesh(_rectangle(*problem.lines(level), sides))
+    mesh = ng.Mesh(rectangle(*problem.lines(level), sides))
     start = cpu_seconds()
     size, order = problem.size(level), setting["order"]
     space = ng.VectorH1(mesh, order=order, dirichletx="left", dirichlety="bottom")

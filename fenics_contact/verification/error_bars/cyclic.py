@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 
-from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.program import mesh_file
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.material import Material
-from fenics_contact.scene.obstacle import Obstacle
-from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
+from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.scene.steps import SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.verification.boxes import Box, boxes
@@ -24,6 +21,7 @@ from fenics_contact.verification.error_bars.case import (
     Parameters,
     of_element,
 )
+from fenics_contact.verification.error_bars.round import strip_scene
 from fenics_contact.verification.error_bars.runs import CYCLE_LOSS
 from fenics_contact.verification.hard.bodies import box
 
@@ -76,30 +74,7 @@ def _of_bar(load: float) -> Quantities:
 
 def _strip(size: float, cells_outside: int, increments: int, load: float) -> Scene:
     """A parabola pressed on a strip, then pushed sideways, to and fro."""
-    force = formulas.line_force(formulas.plane_strain_modulus(1000, 0.45), 400, 1)
-    obstacle = Obstacle(
-        "parabola",
-        radius=400,
-        force=force,
-        path=_HELD,
-        displacement=(0.00336 * load, 0),
-        displacement_path=_TO_AND_FRO,
-    )
-    scene = Scene(
-        kinematics="plane strain",
-        mesh=(
-            MeshSource(
-                mesh_file("strip.geo"),
-                cell="quadrilateral",
-                parameters={"fine": 1.5, "size": size, "cells_outside": cells_outside},
-            ),
-        ),
-        material=(Material(1000, 0.45),),
-        support=(Support("bottom", {"x": 0, "y": 0}),),
-        contact=(
-            Contact("contact", obstacle=obstacle, friction_coefficient=0.5, law="incremental"),
-        ),
-    )
+    scene = strip_scene(size, cells_outside, 0.00336 * load, _TO_AND_FRO)
     return _cycled(scene, increments)
 
 

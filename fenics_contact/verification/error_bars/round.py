@@ -157,16 +157,22 @@ def _finer_incremental(level: int, load: float) -> Model:
     return _in_steps(Model(with_friction(scene, 0.6)), (80, 160)[level])
 
 
-def _strip(size: float, cells_outside: int, shear_steps: int) -> Scene:
-    """A parabola pressed on a strip in one step, then pushed sideways in others."""
+def strip_scene(size: float, cells_outside: int, moved: float, over: Path) -> Scene:
+    """A parabola pressed on a strip until pseudo-time 1, then pushed sideways.
+
+    Args:
+        size: Of cells at the contact (length).
+        cells_outside: From there to the ends.
+        moved: Sideways (length).
+        over: Factor of that over pseudo-time.
+    """
     obstacle = Obstacle(
         "parabola",
         radius=400,
         force=formulas.line_force(formulas.plane_strain_modulus(1000, 0.45), 400, 1),
-        displacement=(0.00336, 0),
-        displacement_path=Path(time=(1.0, 2.0), factor=(0.0, 1.0)),
+        displacement=(moved, 0),
+        displacement_path=over,
     )
-    times = [1.0 + step / shear_steps for step in range(shear_steps + 1)]
     return Scene(
         kinematics="plane strain",
         mesh=(
@@ -181,9 +187,16 @@ def _strip(size: float, cells_outside: int, shear_steps: int) -> Scene:
         contact=(
             Contact("contact", obstacle=obstacle, friction_coefficient=0.5, law="incremental"),
         ),
-        steps=Steps(times=tuple(times)),
         solver=SolverSettings(strategy="monolithic"),
     )
+
+
+def _strip(size: float, cells_outside: int, shear_steps: int) -> Scene:
+    """The same in one step, then in others."""
+    times = [1.0 + step / shear_steps for step in range(shear_steps + 1)]
+    over = Path(time=(1.0, 2.0), factor=(0.0, 1.0))
+    scene = strip_scene(size, cells_outside, 0.00336, over)
+    return dataclasses.replace(scene, steps=Steps(times=tuple(times)))
 
 
 def _cattaneo(element: Element, cells: int, load: float) -> Model:
