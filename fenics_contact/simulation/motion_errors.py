@@ -7,7 +7,6 @@ cells; of smooth motions errors fall faster, and the bars are wider than need be
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.errors import InputError
+from fenics_contact.common.errors import InputError, MachineError, NotConvergedError
 from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.mesh.gathered_mesh import is_of_order_1
 from fenics_contact.mesh.tagged_mesh import Body
@@ -30,12 +29,17 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.less_of import FACTOR, with_less
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, row_of
 
-logger = logging.getLogger(__name__)
-
 # Of a difference to half the step, and to cells of half the size with half the step: by their
 # orders; and for what is not the leading order.
 _OF_STEP, _OF_CELLS, _SAFETY = 2.0, 1 / (1 - 0.5**0.5), 1.25
 _LESS_TOLERANCE = 1e-2
+_WORDS = {
+    "mesh": "the mesh",
+    "penalty": "the penalty",
+    "regularisation": "the regularisation",
+    "iteration": "the iterations",
+    "step": "the time steps",
+}
 
 Again = Callable[[Scene, Body], Result]
 Errors = dict[Hashable, float]
@@ -68,19 +72,25 @@ class MotionErrors:
 
     def budget(self) -> ErrorBudget:
         """Of all quantities, by source."""
-        sources: dict[str, Callable[[], Errors | None]] = {
+        sources: dict[str, Callable[[], Errors]] = {
             "mesh": self._by_mesh,
             "penalty": lambda: self._by_parameter("penalty_parameter"),
             "regularisation": lambda: self._by_parameter("regularisation_parameter"),
             "iteration": self._by_tolerance,
             "step": lambda: self._apart(self._with_half_the_step, self._body, _SAFETY * _OF_STEP),
         }
-        found = {}
+        found: dict[str, Errors | None] = {}
+        notes = []
         for source, estimate in sources.items():
             doing(f"{ESTIMATING} by {source}")
-            found[source] = estimate()
+            try:
+                found[source] = estimate()
+            except (InputError, MachineError, NotConvergedError) as error:
+                found[source] = None
+                notes.append(f"The error by {_WORDS[source]} was not estimated: {error}.")
         rows = {key: row_of(key, found) for key in self._answer}
-        return ErrorBudget.of_rows(rows, len(self._contacts), len(self._last.supports))
+        budget = ErrorBudget.of_rows(rows, len(self._contacts), len(self._last.supports))
+        return replace(budget, notes=notes)
 
     @property
     def _with_half_the_step(self) -> Scene:
@@ -88,34 +98,30 @@ class MotionErrors:
         assert motion is not None
         return replace(self._scene, motion=replace(motion, step=motion.size / 2))
 
-    def _by_mesh(self) -> Errors | None:
+    def _by_mesh(self) -> Errors:
         """With half the step as well: cells of half the size alone would be passed too fast."""
         if not is_of_order_1(self._body.mesh):
-            return None
+            raise InputError("cells with curved sides are not halved")
         return self._apart(self._with_half_the_step, halved_body(self._spaces), _SAFETY * _OF_CELLS)
 
-    def _by_parameter(self, name: str) -> Errors | None:
+    def _by_parameter(self, name: str) -> Errors:
         other = with_less(self._scene, self._contacts, name)
         if other is None:
-            return None
+            raise InputError("it varies over a contact")
         if other == self._scene:
             return {}
         return self._apart(other, self._body, FACTOR)
 
-    def _by_tolerance(self) -> Errors | None:
+    def _by_tolerance(self) -> Errors:
         solver = self._scene.solver
         less = replace(solver, tolerance=_LESS_TOLERANCE * solver.tolerance)
         return self._apart(replace(self._scene, solver=less), self._body, 1.0)
 
-    def _apart(self, scene: Scene, body: Body, factor: float) -> Errors | None:
+    def _apart(self, scene: Scene, body: Body, factor: float) -> Errors:
         """How far another answer is from the one found, times a factor."""
-        try:
-            result = self._again(scene, body)
-        except InputError as error:
-            logger.debug("  the motion again: %s", error)
-            return None
+        result = self._again(scene, body)
         if not result.converged:
-            return None
+            raise NotConvergedError("the motion with less of it did not converge")
         other = _values(result.steps[-1])
         return {
             key: factor * float(np.linalg.norm(np.subtract(value, other[key])))

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 
-from fenics_contact.common.errors import InputError, NotConvergedError
+from fenics_contact.common.errors import InputError, MachineError, NotConvergedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.mesh.gathered_mesh import is_of_order_1
 from fenics_contact.problem.halved_body import halved_body
@@ -107,7 +107,7 @@ def _apart(found: Vibration, kept: KeptBody, other: Scene, factor: float) -> Val
     """How far another answer is from the one found, times a factor; collective."""
     try:
         values = _values(vibration_of(kept, other))
-    except (NotConvergedError, InputError) as error:
+    except (NotConvergedError, InputError, MachineError) as error:
         logger.debug("  modes again: %s", error)
         return None
     return {

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from fenics_contact import Discretisation, Material, Motion, Run, Scene, SolverSettings, Support
+from fenics_contact.common.errors import MachineError
+from fenics_contact.simulation.motion_errors import MotionErrors
 from fenics_contact.verification.boxes import Box
 from fenics_contact.verification.motion.bars import bar_on_wall
 from fenics_contact.verification.motion.oscillator import LARGEST_FRICTION, oscillator
@@ -73,7 +75,28 @@ def test_what_cannot_be_had_or_is_not_asked_for_has_no_bar():
         material=(Material(1.0, 0.3, density=1.0),),
         motion=Motion(step=0.05, end=0.1, velocity={"ring": (1.0, 0.0)}),
     )
-    row = solved(scene, body).errors["momentum"]
+    answer = solved(scene, body)
+    row = answer.errors["momentum"]
     assert row["mesh"] is None and row["total"] is None and row["step"] is not None
+    assert "by the mesh was not estimated: cells with curved sides" in answer.error_notes[0]
     found = solved(scene, body, "auto")
     assert not found.errors and 'solver.errors = "all"' in found.error_notes[0]
+
+
+def test_a_motion_that_cannot_be_solved_with_less_of_an_error_keeps_its_answer():
+    """Of the most steps that there may be half as long ones are too many."""
+    scene, body = bar_on_wall(2, 1.0)
+    motion = Motion(step=1e-5, end=1e-3, velocity={"bar": (-0.01, 0.0)})
+    scene = dataclasses.replace(scene, motion=motion)
+    found = solved(scene, body, "none")
+    too_many = dataclasses.replace(scene, motion=dataclasses.replace(motion, step=1e-3 / 100_000))
+
+    def again(other, mesh):
+        raise MachineError("it will not fit into the memory")
+
+    parts = too_many, Run(scene, body=body).problem.spaces, found.contacts, found.steps[-1]
+    budget = MotionErrors(*parts, again).budget()
+    row = budget.quantities["momentum"]
+    assert row["step"] is None and row["mesh"] is None and row["iteration"] is None
+    said = " ".join(budget.notes)
+    assert "end / step must be at most 100000" in said and "not fit into the memory" in said
