@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.errors import InputError, MachineError, NotConvergedError
+from fenics_contact.common.errors import InputError, MachineError
 from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.mesh.gathered_mesh import is_of_order_1
 from fenics_contact.mesh.tagged_mesh import Body
@@ -43,6 +43,10 @@ _WORDS = {
 
 Again = Callable[[Scene, Body], Result]
 Errors = dict[Hashable, float]
+
+
+class _NotHadError(Exception):
+    """There is no such estimate."""
 
 
 class MotionErrors:
@@ -85,7 +89,7 @@ class MotionErrors:
             doing(f"{ESTIMATING} by {source}")
             try:
                 found[source] = estimate()
-            except (InputError, MachineError, NotConvergedError) as error:
+            except (InputError, MachineError, _NotHadError) as error:
                 found[source] = None
                 notes.append(f"The error by {_WORDS[source]} was not estimated: {error}.")
         rows = {key: row_of(key, found) for key in self._answer}
@@ -101,13 +105,13 @@ class MotionErrors:
     def _by_mesh(self) -> Errors:
         """With half the step as well: cells of half the size alone would be passed too fast."""
         if not is_of_order_1(self._body.mesh):
-            raise InputError("cells with curved sides are not halved")
+            raise _NotHadError("cells with curved sides are not halved")
         return self._apart(self._with_half_the_step, halved_body(self._spaces), _SAFETY * _OF_CELLS)
 
     def _by_parameter(self, name: str) -> Errors:
         other = with_less(self._scene, self._contacts, name)
         if other is None:
-            raise InputError("it varies over a contact")
+            raise _NotHadError("it varies over a contact")
         if other == self._scene:
             return {}
         return self._apart(other, self._body, FACTOR)
@@ -121,7 +125,7 @@ class MotionErrors:
         """How far another answer is from the one found, times a factor."""
         result = self._again(scene, body)
         if not result.converged:
-            raise NotConvergedError("the motion with less of it did not converge")
+            raise _NotHadError("the motion with less of it did not converge")
         other = _values(result.steps[-1])
         return {
             key: factor * float(np.linalg.norm(np.subtract(value, other[key])))
