@@ -43,9 +43,11 @@ def resultants(
 
 
 def _friction(contact: ContactSurface, state: ContactState, force: Array) -> Array:
-    """On the slave: of the law at the nodes; of glue, of its traction."""
+    """On the slave: of the law at the nodes; of glue, of its traction; of smooth contacts none."""
     if contact.friction.rubs:
         return resultant(contact.spaces, force[contact.owned_nodes])
+    if not contact.can_shear:
+        return np.zeros(contact.spaces.components)
     friction = np.asarray(contact.trace.integral(state.friction_traction))
     if contact.spaces.kinematics == "axisymmetric":
         friction[0] = 0.0

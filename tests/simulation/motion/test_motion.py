@@ -55,6 +55,7 @@ def test_a_bar_presses_a_wall_as_the_wave_in_it_does(degree, courant):
     assert np.abs(flat - 1).max() < (1e-2 if degree == 1 else 7e-2)
     assert abs(flat.mean() - 1) < (1e-3 if degree == 1 else 1e-2)
     assert not touching(found)[times > 2.1].any()
+    assert not np.any(along(found, "friction_force"))  # nothing, not round-off
     assert worst_defect(found) < 2e-3
     assert found.quantities["impulse"][0] == pytest.approx(2 * 0.01 / cells, rel=2e-2)
 
