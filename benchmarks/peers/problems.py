@@ -59,9 +59,7 @@ class Indentation(Compared):
 
     def lines(self, level: int) -> list[float]:
         """Of the mesh, along the radius and downwards alike."""
-        size = self.size(level)
-        near = [size * number for number in range(round(self.fine / size))]
-        return near + growing(self.fine, self.extent, size, self.cells_outside(level))
+        return graded(self.fine, self.extent, self.size(level), self.cells_outside(level))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -144,9 +142,7 @@ class Block(Compared):
 
     def lines(self, level: int) -> list[float]:
         """Of the mesh, along all axes alike."""
-        size = self.size(level)
-        near = [size * number for number in range(level)]
-        return near + growing(self.fine, self.extent, size, round(0.75 * level))
+        return graded(self.fine, self.extent, self.size(level), round(0.75 * level))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -175,8 +171,7 @@ class Pair(Compared):
     def lines(self, level: int) -> list[float]:
         """Of the lower mesh, along x and downwards alike."""
         size = self.size(level)
-        near = [size * number for number in range(round(self.width / size))]
-        return near + growing(self.width, self.extent, size, round(2.4 / size))
+        return graded(self.width, self.extent, size, round(2.4 / size))
 
     def upper_cells(self, level: int) -> tuple[int, int]:
         """Along x and y: four where the lower body has three."""
@@ -188,6 +183,12 @@ class Pair(Compared):
         x = along * self.width
         low = x**2 / (2 * self.radius)
         return x, low + up * (self.height - low)
+
+
+def graded(fine: float, end: float, size: float, outside: int) -> list[float]:
+    """Places from 0 to the end, of equal cells as far as they are fine, and of others that grow."""
+    near = [size * number for number in range(round(fine / size))]
+    return near + growing(fine, end, size, outside)
 
 
 def growing(start: float, end: float, first: float, cells: int) -> list[float]:

@@ -8,7 +8,8 @@ from typing import Any
 from answers import Answer, cpu_seconds
 from problems import Block
 
-_RESIDUAL, _STEPS = 1e-7, 100
+from programs.getfem_newton import pressed
+
 _CONTACT, _OUTER, _SIDES = 1, 2, (3, 4)
 _BULK = "first*Div_u*Div_Test_u+2*shear*(Sym(Grad_u):Sym(Grad_Test_u))"
 # The obstacle's surface is at (x² + y²)/(2 curvature) - d; p and t are what it does to the body.
@@ -36,16 +37,7 @@ def solve_block(
     start = cpu_seconds()
     points = getfem.MeshIm(mesh, getfem.Integ("IM_GAUSS_PARALLELEPIPED(3,4)"))
     model, dofs = _model(problem, mesh, points, augmentation)
-    newton = 0
-    for step in range(1, problem.steps + 1):
-        model.set_variable("d", [problem.indentation * step / problem.steps])
-        model.set_variable("old", model.variable("u"))
-        taken, converged = model.solve(
-            *("max_res", _RESIDUAL, "max_iter", _STEPS, "lsolver", "mumps")
-        )
-        newton += taken
-        if not converged:
-            raise RuntimeError(f"no convergence in {_STEPS} Newton steps")
+    newton = pressed(model, problem)
     return Answer(
         version=version(),
         dofs=dofs,

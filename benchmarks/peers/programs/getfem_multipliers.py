@@ -10,6 +10,7 @@ from answers import Answer, cpu_seconds, crossing, sample_places
 from problems import Block, Indentation, Pair, Problem, Slab
 
 from programs.getfem_block import solve_block
+from programs.getfem_newton import pressed, solved
 from programs.getfem_pair import solve_pair
 
 NAME = "GetFEM"
@@ -29,7 +30,6 @@ ABOUT = (
     "axisymmetric), Newton's method with its line search; every step factorises all unknowns by "
     "MUMPS. The bulk is assembled once. One thread, with OpenBLAS."
 )
-_RESIDUAL, _STEPS = 1e-7, 100
 _CONTACT, _OUTER, _AXIS = 1, 2, 3
 _BULK = (
     "X(1)*(first*(Div_u+u(1)/X(1))*(Div_Test_u+Test_u(1)/X(1))"
@@ -108,16 +108,8 @@ class _Model:
     def answer(self) -> Answer:
         """All load steps."""
         start = cpu_seconds()
-        model, newton = self._model(), 0
-        for step in range(1, self.problem.steps + 1):
-            model.set_variable("d", [self.problem.indentation * step / self.problem.steps])
-            model.set_variable("old", model.variable("u"))
-            taken, converged = model.solve(
-                *("max_res", _RESIDUAL, "max_iter", _STEPS, "lsolver", "mumps")
-            )
-            newton += taken
-            if not converged:
-                raise RuntimeError(f"no convergence in {_STEPS} Newton steps")
+        model = self._model()
+        newton = pressed(model, self.problem)
         return Answer(
             version=_version(),
             dofs=self.space.nbdof(),
@@ -171,9 +163,7 @@ def _slab(problem: Slab, level: int, augmentation: float) -> Answer:
     start = cpu_seconds()
     points = getfem.MeshIm(mesh, getfem.Integ("IM_GAUSS_PARALLELEPIPED(2,4)"))
     model, dofs = _slab_model(problem, mesh, points, augmentation)
-    taken, converged = model.solve(*("max_res", _RESIDUAL, "max_iter", _STEPS, "lsolver", "mumps"))
-    if not converged:
-        raise RuntimeError(f"no convergence in {_STEPS} Newton steps")
+    newton = solved(model)
     seconds = cpu_seconds() - start
     places = sample_places(problem.length, problem.size(level))
     line = np.vstack((places, np.full(len(places), problem.height - 1e-12)))
@@ -188,8 +178,8 @@ def _slab(problem: Slab, level: int, augmentation: float) -> Answer:
         version=_version(),
         dofs=dofs,
         solve_seconds=seconds,
-        newton=taken,
-        factorisations=taken,
+        newton=newton,
+        factorisations=newton,
         values={name: float(value) for name, value in values.items()},
     )
 
