@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +13,7 @@ import numpy as np
 
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.results.records.model import Model
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.adaptive.levels import run
@@ -83,11 +86,13 @@ class Outcome:
         case: The case.
         findings: What it gave, at least one.
         seconds: For all of them together.
+        meshes: What was solved, a sentence each; none for cases whose runs are processes.
     """
 
     case: Case
     findings: tuple[Finding, ...]
     seconds: float
+    meshes: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -102,6 +107,7 @@ class Outcome:
                 "source": self.case.source,
                 "estimated_error": finding.estimated_error,
                 "seconds": self.seconds,
+                "meshes": list(self.meshes),
                 **as_row(finding),
             }
             for finding in self.findings
@@ -122,6 +128,36 @@ def as_row(finding: Finding) -> dict[str, Any]:
     }
 
 
+# Of the runs that are under way: which meshes ``solved`` has seen, in their order.
+_MESHES: ContextVar[dict[str, None] | None] = ContextVar("meshes", default=None)
+
+
+@contextmanager
+def noting_meshes() -> Iterator[dict[str, None]]:
+    """While it lasts, ``solved`` notes in what is given what it solves: a sentence a mesh."""
+    noted: dict[str, None] = {}
+    token = _MESHES.set(noted)
+    try:
+        yield noted
+    finally:
+        _MESHES.reset(token)
+
+
+def note_mesh(model: Model) -> None:
+    """Note what a case has solved, if somebody asked for it."""
+    if (noted := _MESHES.get()) is not None:
+        noted[mesh_in_words(model)] = None
+
+
+def mesh_in_words(model: Model) -> str:
+    """Kinematics, cells and unknowns of a run."""
+    points = f", {model.contact_points:,} contact points" if model.contact_points else ""
+    return (
+        f"{model.kinematics}: {model.cells:,} cells ({model.cell}), displacements of degree "
+        f"{model.degree}, {model.dofs:,} unknowns{points}"
+    )
+
+
 class UntrustedError(FenicsContactError):
     """A run of a case found no answer, or one that a check of the physics refuses."""
 
@@ -137,6 +173,7 @@ def solved(scene: Scene, body: Body | None = None) -> Result:
         UntrustedError: It did not converge, or a check failed.
     """
     result = run(scene, body=body)
+    note_mesh(result.model)
     if not result.passed:
         raise UntrustedError(result.verdict)
     return result

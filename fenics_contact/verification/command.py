@@ -20,7 +20,7 @@ from fenics_contact.common.parallel import on_root
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.common.wording.suggestions import did_you_mean
 from fenics_contact.verification import CASES
-from fenics_contact.verification.case import Case, Finding, Outcome, no_value
+from fenics_contact.verification.case import Case, Finding, Outcome, no_value, noting_meshes
 
 FAILED = 4
 
@@ -86,13 +86,14 @@ def run_case(case: Case, quick: bool) -> Outcome:
     comm = MPI.COMM_WORLD
     started = time.perf_counter()
     findings: list[Finding] = []
-    try:
-        for finding in case.run(quick):
-            findings.append(finding)
-    except FenicsContactError as error:
-        findings.append(no_value(error))
+    with noting_meshes() as meshes:
+        try:
+            for finding in case.run(quick):
+                findings.append(finding)
+        except FenicsContactError as error:
+            findings.append(no_value(error))
     seconds = comm.allreduce(time.perf_counter() - started, op=MPI.MAX)
-    return Outcome(case, tuple(findings), seconds)
+    return Outcome(case, tuple(findings), seconds, tuple(meshes))
 
 
 def chosen(names: Sequence[str], cases: Sequence[AnyCase]) -> list[AnyCase]:
@@ -138,7 +139,9 @@ def _print_outcomes(console: Terminal, outcomes: Sequence[Outcome]) -> None:
         for finding in outcome.findings:
             table.add_row(outcome.case.name, *_cells(finding))
     console.print()
-    console.print(table)
+    # Numbers that are cut say nothing: a file takes any width, a terminal folds lines.
+    console.width = max(console.width, console.measure(table).maximum)
+    console.print(table, soft_wrap=True)
     console.print("\nErrors are relative, or absolute where marked abs. References:")
     for outcome in outcomes:
         console.print(f"  {outcome.case.name}: {outcome.case.source}", markup=False, soft_wrap=True)

@@ -29,7 +29,7 @@ from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.simulation.scene_run import Run
-from fenics_contact.verification.case import Finding, UntrustedError
+from fenics_contact.verification.case import Finding, UntrustedError, note_mesh
 
 _YOUNGS_MODULUS, _POISSONS_RATIO = 1000.0, 0.4999
 _RADIUS, _HALF_WIDTH, _COEFFICIENT = 50.0, 1.0, 0.5
@@ -137,7 +137,9 @@ def findings(quick: bool) -> Iterator[Finding]:
     """Where it sticks, and the stress at the trailing edge, with and without pull."""
     for pulled in (Pulled(0.6, 0.5),) if quick else (Pulled(0.6, 0.0), Pulled(0.6, 0.5)):
         prepared = Run(bulk_scene(pulled, **(_QUICK_MESH if quick else {})))
-        yield from compared(prepared, prepared.solve(), pulled)
+        result = prepared.solve()
+        note_mesh(result.model)
+        yield from compared(prepared, result, pulled)
 
 
 def compared(prepared: Run, result: Result, pulled: Pulled) -> Iterator[Finding]:

@@ -20,7 +20,7 @@ from fenics_contact.scene.values import CONSTANT, Path
 from fenics_contact.simulation.studies.study import Study
 from fenics_contact.simulation.worn.worn_cycle import WornCycle
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.case import Case, Finding
+from fenics_contact.verification.case import Case, Finding, note_mesh
 
 _COEFFICIENT, _SPRING, _DEPTH = 0.3, 500.0, 0.01
 # Four times this is rubbed in a cycle.
@@ -44,7 +44,9 @@ def _rubbed(obstacle: Obstacle, stiffness: float, wear: Wear, **more: Any) -> Sc
 
 def _last(scene: Scene, cells: tuple[int, int], cycles: int, jumps: Jumps) -> WornCycle:
     body = boxes((Box("block", (0, 0), (2, 1), cells),))
-    return list(Study(scene, body.mesh.comm, body).worn(1.0, cycles, jumps))[-1]
+    study = Study(scene, body.mesh.comm, body)
+    note_mesh(study.prepare().model)
+    return list(study.worn(1.0, cycles, jumps))[-1]
 
 
 def _volume(quick: bool) -> Iterator[Finding]:

@@ -11,7 +11,7 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.asked.vibration import Damping, Modes
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.study import Study
-from fenics_contact.verification.case import Finding, UntrustedError
+from fenics_contact.verification.case import Finding, UntrustedError, note_mesh
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,9 @@ def compared(
     comm = body.mesh.comm
     study = Study(replace(scene, modes=Modes(1), damping=None), comm, body)
     mode = study.vibration().shapes[0]
-    kept = study.prepare().problem.spaces.owned_nodes
+    prepared = study.prepare()
+    note_mesh(prepared.model)
+    kept = prepared.problem.spaces.owned_nodes
     # Of the forces that drive the mode: their sum, over the amplitude.
     stiffness = mode.circular_frequency**2 * abs(float(total(comm, mode.forces[:kept, axis].sum())))
     driven = Damping(amplitudes=tuple(force / stiffness for force in forces))
