@@ -81,5 +81,5 @@ browser: ## try reports and the documentation in Chromium
 	export FENICS_CONTACT_BROWSER=required; $(with_tools) -m pytest -n 2 --dist loadfile tests/browser
 
 clean: ## remove results and caches, not the environment
-	rm -rf results docs/_build docs/gallery .hypothesis .pytest_cache .mypy_cache .ruff_cache build *.egg-info
+	rm -rf results docs/_build docs/cases docs/gallery .hypothesis .pytest_cache .mypy_cache .ruff_cache build *.egg-info
 	find . -path './.venv*' -prune -o -name __pycache__ -prune -exec rm -rf {} +

@@ -21,6 +21,7 @@ sys.path[:0] = [str(DOCS), str(ROOT)]
 
 # fenics_contact first: it loads FEniCSx in the right order
 import fenics_contact  # noqa: E402, F401, I001
+import make_cases  # noqa: E402
 import make_gallery  # noqa: E402
 
 with (ROOT / "pyproject.toml").open("rb") as _file:
@@ -37,10 +38,9 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx_copybutton",
     "docstrings",
-    "generated_tables",
     "repository_files",
 ]
-exclude_patterns = ["_build", "pictures", "problems"]
+exclude_patterns = ["_build", "pictures", "problems", "verified"]
 nitpicky = True
 
 html_theme = "furo"
@@ -98,11 +98,12 @@ def _copy_mathjax(app: Sphinx, exception: Exception | None) -> None:
         shutil.copyfile(source, target)
 
 
-def _make_gallery(app: Sphinx, config: Any) -> None:
+def _make_pages(app: Sphinx, config: Any) -> None:
+    make_cases.make_all()
     make_gallery.make_all()
 
 
 def setup(app: Sphinx) -> None:
     """Run the demos before pages are read, and bring MathJax along afterwards."""
-    app.connect("config-inited", _make_gallery)
+    app.connect("config-inited", _make_pages)
     app.connect("build-finished", _copy_mathjax)

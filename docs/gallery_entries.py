@@ -23,6 +23,8 @@ PAPER = "L. T. Campos, J. T. Oden, N. Kikuchi, Comput. Methods Appl. Mech. Engrg
 JOHNSON = "K. L. Johnson, Contact Mechanics, Cambridge University Press 1985"
 PROTOTYPE = "values of a separate prototype on the same data"
 NO_FRICTION = "contact.0.friction_coefficient=0"
+# Of a film: as loads grow from nothing.
+_GROWING = ("steps.number=20",)
 
 
 @dataclass(frozen=True)
@@ -97,11 +99,14 @@ class Entry:
         source: Where the expected numbers come from.
         findings: What the demo should give.
         variants: Further runs.
+        film: Values with which the demo has the load steps of a film, as for ``--set``; none
+            where its own steps make one.
     """
 
     source: str
     findings: Findings
     variants: tuple[Variant, ...] = field(default=())
+    film: tuple[str, ...] = ()
 
 
 def _impact(solved: Solved) -> Iterator[Finding]:
@@ -310,6 +315,7 @@ ENTRIES: dict[str, Entry] = {
     "slab": Entry(
         source=f"{PAPER}, example 1; parts of its data are lost and reconstructed, {PROTOTYPE}",
         findings=_slab,
+        film=_GROWING,
         variants=(
             Variant(
                 "Cells of an eighth of that",
@@ -321,6 +327,7 @@ ENTRIES: dict[str, Entry] = {
     "winkler": Entry(
         source=f"{PAPER}, example 2; data reconstructed, {PROTOTYPE}",
         findings=_winkler,
+        film=_GROWING,
         variants=(Variant("Without friction", (NO_FRICTION,), _winkler_smooth),),
     ),
     "sphere": Entry(
@@ -329,6 +336,7 @@ ENTRIES: dict[str, Entry] = {
             f"without friction {JOHNSON}, (4.22)-(4.24)"
         ),
         findings=_sphere,
+        film=_GROWING,
         variants=(Variant("Without friction: Hertz's problem", (NO_FRICTION,), _hertz),),
     ),
     "annulus": Entry(
@@ -337,6 +345,7 @@ ENTRIES: dict[str, Entry] = {
             f"equation of ring loads ({JOHNSON}, section 3.8)"
         ),
         findings=_annulus,
+        film=_GROWING,
         variants=(
             Variant("Without friction", (NO_FRICTION,), _annulus_smooth),
             Variant(
@@ -349,6 +358,7 @@ ENTRIES: dict[str, Entry] = {
     "cylinders": Entry(
         source=f"{JOHNSON}, (4.43), (4.45) and section 7.2, for the forces that came out",
         findings=_cylinders,
+        film=(f"steps.times={[round(1 + 0.1 * step, 1) for step in range(11)]}",),
     ),
     "incline": Entry(
         source="balance of forces and Coulomb's law",

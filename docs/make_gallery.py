@@ -70,8 +70,14 @@ def _package() -> list[Path]:
     return [path for path in every if "__pycache__" not in path.parts]
 
 
-def run(name: str, folder: Path, overrides: Sequence[str] = ()) -> None:
+def run(name: str, folder: Path, overrides: Sequence[str] = (), drawn: bool = True) -> None:
     """Solve a demo's scene into a folder, unless that holds the same run already.
+
+    Args:
+        name: Of the demo.
+        folder: For the run, and its report.
+        overrides: As for ``--set``.
+        drawn: Whether to make its report.
 
     Raises:
         GalleryError: It did not end with exit code 0.
@@ -85,7 +91,7 @@ def run(name: str, folder: Path, overrides: Sequence[str] = ()) -> None:
     settings = [part for override in overrides for part in ("--set", override)]
     command = [sys.executable, "-m", "fenics_contact"]
     _call([*command, "run", str(scene), *settings, "--out", str(folder)])
-    if not overrides:
+    if drawn:
         _call([sys.executable, str(Path(__file__)), "--draw", str(folder)])
     mark.write_text(wanted, encoding="utf-8")
 
@@ -127,10 +133,13 @@ def make_all(names: Sequence[str] = ()) -> None:
     names = names or every
     shutil.rmtree(PAGES, ignore_errors=True)
     PAGES.mkdir()
-    runs = [(name, RUNS / name, ()) for name in names]
+    runs: list[tuple[str, Path, Sequence[str], bool]] = []
     for name in names:
+        runs.append((name, RUNS / name, (), True))
         for number, variant in enumerate(ENTRIES[name].variants):
-            runs.append((name, RUNS / f"{name}_{number}", variant.overrides))
+            runs.append((name, RUNS / f"{name}_{number}", variant.overrides, False))
+        if ENTRIES[name].film:
+            runs.append((name, RUNS / f"{name}_film", ENTRIES[name].film, True))
     with ThreadPoolExecutor(2) as pool:
         list(pool.map(lambda one: run(*one), runs))
     for name in names:
@@ -163,9 +172,29 @@ def page(name: str, entry: Entry) -> str:
         "## Pictures",
         "",
         *(line for picture in pictures[1:] for line in _figure(name, picture)),
+        *_film(name, entry.film),
         *_scene(name),
     ]
     return "\n".join(lines)
+
+
+def _film(name: str, overrides: Sequence[str]) -> list[str]:
+    """The animations of a run with more load steps, and how to make it."""
+    if not overrides:
+        return []
+    folder = RUNS / f"{name}_film"
+    lines = ["## As the loads grow", ""]
+    for picture in json.loads((folder / "pictures.json").read_text(encoding="utf-8")):
+        if picture["file"].startswith("animation"):
+            shutil.copy(folder / picture["file"], PAGES / name)
+            lines += _figure(name, picture)
+    run_it = f"fenics-contact run demos/{name}.toml{_set(overrides)} --out results/{name}_film"
+    return [*lines, "```sh", run_it, f"fenics-contact report results/{name}_film", "```", ""]
+
+
+def _set(overrides: Sequence[str]) -> str:
+    """Values for the command line."""
+    return "".join(f" --set '{override}'" for override in overrides)
 
 
 def _scene(name: str) -> list[str]:
@@ -217,11 +246,11 @@ def _read(folder: Path) -> Solved:
 
 
 def _variant(name: str, variant: Variant, solved: Solved) -> list[str]:
-    words = " ".join(f"--set '{override}'" for override in variant.overrides)
+    scene = f"demos/{name}.toml{_set(variant.overrides)}"
     return [
-        f"**{variant.title}**: `fenics-contact run demos/{name}.toml {words}`",
+        f"**{variant.title}**: `fenics-contact run {scene}`",
         "",
-        _table(variant.findings(solved), f"demos/{name}.toml {words}"),
+        _table(variant.findings(solved), scene),
         "",
     ]
 
