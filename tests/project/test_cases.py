@@ -15,7 +15,9 @@ pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one r
 @pytest.fixture
 def cases(tmp_path, monkeypatch):
     """The module ``docs/make_cases.py``, which writes into a folder of the test."""
-    specification = importlib.util.spec_from_file_location("make_cases", ROOT / "docs/make_cases.py")
+    specification = importlib.util.spec_from_file_location(
+        "make_cases", ROOT / "docs/make_cases.py"
+    )
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
     monkeypatch.setattr(module, "PAGES", tmp_path / "cases")
