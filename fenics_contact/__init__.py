@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.steps import SolverSettings, Steps
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
-    from fenics_contact.simulation.adaptive.levels import run
+    from fenics_contact.simulation.adaptive.levels import run, run_and_keep
     from fenics_contact.simulation.asked_derivatives.objective import Objective
     from fenics_contact.simulation.fits.fit import Fit, fit
     from fenics_contact.simulation.fits.measured import Measured
@@ -138,12 +138,13 @@ __all__ = [
     "load_scene",
     "main",
     "run",
+    "run_and_keep",
     "run_script",
 ]
 
 # Where each of them is; a test compares this with the imports above.
 _MODULES = {
-    "simulation.adaptive.levels": ("run",),
+    "simulation.adaptive.levels": ("run", "run_and_keep"),
     "cli.program": ("main", "run_script"),
     "common.errors": (
         "FenicsContactError",

@@ -311,8 +311,29 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
     >>> abs(force / exact - 1) < 0.01
     True
     """
+    return run_and_keep(scene, comm, body)[0]
+
+
+def run_and_keep(
+    scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
+) -> tuple[Result, Run]:
+    """As ``run``, and what was run, whose ``fields`` are functions of dolfinx; collective.
+
+    Args:
+        scene: What to solve.
+        comm: Communicator.
+        body: The mesh, if not the one the scene names.
+
+    Returns:
+        The result and its run: if the scene asks for an accuracy, that on the last mesh.
+
+    Raises:
+        InputError: As ``run``.
+        MachineError: As ``run``.
+    """
     prepared = Run(scene, comm, body)
     if scene.accuracy is None:
-        return prepared.solve()
+        return prepared.solve(), prepared
     levels = AdaptiveRun(prepared, body is not None)
-    return levels.solve(lambda level, guess: level.solve(guess=guess))
+    result = levels.solve(lambda level, guess: level.solve(guess=guess))
+    return result, levels.run

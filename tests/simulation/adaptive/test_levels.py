@@ -23,6 +23,7 @@ from fenics_contact import (
     load_scene,
     main,
     run,
+    run_and_keep,
 )
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.mesh.loading import load_body
@@ -357,11 +358,21 @@ def test_bare_triangles_reach_an_accuracy():
         support=(Support("y0", {"x": 0, "y": 0}), Support("y1", {"x": 0, "y": -0.01})),
         accuracy=Accuracy(strain_energy=2e-3),
     )
-    found = run(scene, COMM, body)
+    found, kept = run_and_keep(scene, COMM, body)
     assert found.accuracy["reached"]
     fine = run(dataclasses.replace(scene, accuracy=None), COMM, box_body((40, 40), (1, 1)))
     energy = found.quantities["strain_energy"]
     assert abs(energy / fine.quantities["strain_energy"] - 1) < 2e-3
+
+    moved = kept.fields.displacement
+    space = moved.function_space
+    cells = space.mesh.topology.index_map(2).size_global
+    assert len(found.levels) > 1 and cells == found.levels[-1].cells
+    # Of the last mesh: its strains have the energy that was found.
+    strain = ufl.sym(ufl.grad(moved))
+    density = 1000 / 2.6 * (ufl.inner(strain, strain) + 0.75 * ufl.tr(strain) ** 2)
+    local = fem.assemble_scalar(fem.form(density * ufl.dx))
+    assert COMM.allreduce(local) == pytest.approx(energy, rel=1e-9)
 
 
 @pytest.mark.serial
