@@ -90,6 +90,8 @@ class EnergyBook:
         self._first = first.energy + inertia.kinetic_energy(state.velocity)
         self._last |= {"pressures": first.pressures.copy(), "motions": state.motions.copy()}
         self._overlaps = list(first.overlaps)
+        if first.preloads:
+            self._last["preloads"] = np.array(first.preloads)
 
     def count(self, forces: NeededForces) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.

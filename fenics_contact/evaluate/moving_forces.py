@@ -31,8 +31,10 @@ class MovingForces(BulkForces):
 
     @property
     def strain_energy(self) -> float:
-        """½ a(u, u) (energy)."""
-        return 0.5 * self._summed(self.displacement * self._step.internal)
+        """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
+        product = self._summed(self.displacement * self._step.internal)
+        tightened = sum(state.force * state.shortening for state in self.solution.preloads)
+        return 0.5 * (product + tightened)
 
     @property
     def momenta(self) -> Array:

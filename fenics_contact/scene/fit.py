@@ -92,7 +92,8 @@ def _require_model(scene: Scene) -> None:
 
 def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
     """Its axis fits the model, and a load step ends where it is locked."""
-    axis, steps, locked = preload.axis, scene.steps, preload.locked_from
+    axis, locked, motion = preload.axis, preload.locked_from, scene.motion
+    steps = scene.steps if motion is None else motion.steps
     if len(axis) != scene.dimension:
         raise ValueError(
             f"{key}.axis has {len(axis)} entries; a {scene.kinematics} model needs "
@@ -111,6 +112,8 @@ def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
         raise ValueError(
             f"{key}.locked_from = {locked:g}: the last load step ends at {steps.last:g}"
         )
+    if motion is not None and motion.start == "static":
+        return  # it has been tightened when the motion begins
     ends = steps.all_times if scene.cycles is None else (*steps.all_times, scene.cycles.begin)
     if not steps.automatic and locked < ends[0] * (1 - _SAME_TIME):
         raise ValueError(

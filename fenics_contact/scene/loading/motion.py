@@ -132,7 +132,6 @@ def require_motion(scene: Scene) -> None:
     others = {
         "steps": scene.steps != Steps(),
         "cycles": scene.cycles is not None,
-        "preload": bool(scene.preload),
         "half_space": scene.half_space is not None,
         "accuracy": scene.accuracy is not None,
         "derivatives": scene.derivatives is not None,
@@ -155,6 +154,11 @@ def require_motion(scene: Scene) -> None:
                 f"motion.velocity.{group} has {len(velocity)} entries; a {scene.kinematics} model "
                 f"needs {scene.dimension}"
             )
+    if scene.preload and motion.rayleigh is not None and motion.rayleigh.stiffness > 0:
+        raise ValueError(
+            "motion.rayleigh.stiffness: not beside a preload, whose shortening it would resist as "
+            "if it were a strain; give motion.rayleigh.mass"
+        )
     _require_paths(scene)
     for number, contact in enumerate(scene.contact):
         _require_contact(contact, f"contact[{number}]")
@@ -168,6 +172,11 @@ def _require_paths(scene: Scene) -> None:
             f"support[{number}].path": support.path
             for number, support in enumerate(scene.support)
             if any(value != 0 for value in support.displacement.values())
+        },
+        **{
+            f"preload[{number}].path": preload.path
+            for number, preload in enumerate(scene.preload)
+            if preload.locked_from is None
         },
     }
     for number, contact in enumerate(scene.contact):

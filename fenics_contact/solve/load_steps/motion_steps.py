@@ -45,7 +45,8 @@ class MotionSteps(LoadSteps):
     def _step_to(self, time: float) -> Solution:
         newton, problem = self.newton, self.problem
         newton.forget()
-        problem.reach(np.zeros(len(problem.unknowns)))
+        if self.last is not None:
+            problem.reach(self.last.unknowns.scalars)
         problem.set_time(time)
         newton.begin.where_it_flies(self._inertia.predicted)
         return solve_step(newton)

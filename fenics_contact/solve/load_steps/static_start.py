@@ -53,7 +53,8 @@ def _at_rest(problem: Problem, timings: Timings) -> Problem:
         replace(contact, friction_law=contact.friction_law and contact.friction_law.at_rest)
         for contact in problem.scene.contact
     )
-    scene = replace(problem.scene, contact=contacts, motion=None, steps=Steps())
+    preloads = tuple(replace(preload, locked_from=None) for preload in problem.scene.preload)
+    scene = replace(problem.scene, contact=contacts, preload=preloads, motion=None, steps=Steps())
     rest = Problem(scene, problem.discrete, timings, by_points=True)
     rest.take_loads(problem)
     rest.drive = Drive(np.zeros_like(problem.load), rest=0.0, share=lambda time: 0.0)
@@ -84,8 +85,11 @@ def _take(problem: Problem, rest: Problem, found: Solution) -> None:
             energy=energy,
             pressures=pressures,
             overlaps=tuple(c.kinematics.interference - c.kinematics.worn for c in rest.contacts),
+            preloads=tuple((state.force, state.shortening) for state in found.preloads),
         ),
     )
+    for preload, state in zip(problem.preloads, found.preloads, strict=True):
+        preload.reach(state.shortening)
     problem.set_time(0.0)
 
 
@@ -93,7 +97,8 @@ def _stored(rest: Problem, found: Solution) -> float:
     """In strains, springs of contacts and elastic slip (energy); collective."""
     own = slice(rest.spaces.owned_nodes)
     works = found.displacement[own] * found.internal_force[own]
-    stored = 0.5 * float(total(rest.comm, np.sum(works)))
+    tightened = sum(state.force * state.shortening for state in found.preloads)
+    stored = 0.5 * (float(total(rest.comm, np.sum(works))) + tightened)
     for contact, state in zip(rest.contacts, found.states, strict=True):
         stored += float(contact.trace.integral(state.penalty_energy))
         stored += contact.work.in_elastic_slip(state) if contact.friction.stores_energy else 0.0

@@ -39,6 +39,7 @@ from fenics_contact.common.interrupts import Interrupts
 from fenics_contact.simulation.restart import row_tables, sealed_arrays, state_file
 from fenics_contact.simulation.restart.state_file import StateFile
 from tests.scenes import PULLED_BLOCK, ROOT, box_body
+from tests.simulation.motion.test_preloads import joint, joint_body
 from tests.solve.load_steps.histories import block, dragged, require_same, shoved, two_blocks
 from tests.traffic import counted
 
@@ -84,6 +85,7 @@ SCENES = {
     "two bodies": (shoved(STEPS), two_blocks),
     "centres of tetrahedra": (SOLID, tetrahedra),
     "motion": (KICKED, tetrahedra),
+    "bolt in motion": (joint(6.0, end=0.012), joint_body),
 }
 
 
@@ -113,7 +115,7 @@ def resumed(scene, body, folder):
     "name",
     [
         *("automatic", "nearly incompressible, full", "two bodies", "centres of tetrahedra"),
-        "motion",
+        *("motion", "bolt in motion"),
     ],
 )
 def test_a_run_goes_on_on_other_ranks(name, folder, monkeypatch):
