@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.bodies.film import MOST_BODIES, Overview, draw_body_film
 from fenics_contact.report.bodies.mesh import draw_mesh
+from fenics_contact.report.bodies.mode_film import draw_mode_film
 from fenics_contact.report.bodies.mode_shapes import draw_mode_shapes
 from fenics_contact.report.bodies.picture import draw_body
 from fenics_contact.report.bodies.squeal_shapes import draw_squeal_shapes
@@ -239,9 +240,12 @@ def _adapted(run: _Run) -> list[Picture]:
 
 
 def _animations(run: _Run) -> Iterator[Picture]:
-    """The body and each contact that ever touches over the load steps, if there are many."""
+    """Modes; the body and each contact that ever touches over the load steps, if there are many."""
+    if wanted() is not None:  # they are no vectors
+        return
+    yield from draw_mode_film(run.folder, run.result)
     steps = len(times_of_fields(run.folder))
-    if steps < FEWEST_STEPS or wanted() is not None:  # they are no vectors
+    if steps < FEWEST_STEPS:
         return
     numbers = frame_numbers(steps).tolist()
     fewer = frame_numbers(steps, MOST_BODIES).tolist()

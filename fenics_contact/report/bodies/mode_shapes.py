@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from pyvista import UnstructuredGrid
 
 _MOST = 6
-_MOVE = 0.12  # of the body's diagonal: the largest displacement that is drawn
+MOVE = 0.12  # of the body's diagonal: the largest displacement that is drawn
 _HEIGHTS, _TITLE = (0.7, 3.0), 0.35  # of a panel and of its title, in inches
 _SLENDER = 0.4  # height over width of bodies of which each has a row of its own
 _PIXELS, _WHITE = 900, 250
@@ -49,13 +49,20 @@ def draw_mode_shapes(folder: Path, result: Outcome) -> list[Picture]:
     Raises:
         InputError: A display is missing for bodies in space; says what to install.
     """
-    modes = list(result.modes)[:_MOST]
-    if not modes or not (folder / "modes.pvd").exists():
+    shapes = shapes_of(folder, result)
+    if not shapes:
         return []
-    shapes = {_title(mode): shape for mode, shape in zip(modes, read_modes(folder), strict=False)}
     path = folder / "modes.png"
     save(figure_of_shapes(shapes, result.model.kinematics == "3D"), path, tight=True)
-    return [Picture(path, "Shapes of the natural modes", _caption(len(modes), result))]
+    return [Picture(path, "Shapes of the natural modes", _caption(len(shapes), result))]
+
+
+def shapes_of(folder: Path, result: Outcome) -> dict[str, UnstructuredGrid]:
+    """The lowest natural modes of a run, by the titles of their panels; none without a file."""
+    modes = list(result.modes)[:_MOST]
+    if not modes or not (folder / "modes.pvd").exists():
+        return {}
+    return {_title(mode): shape for mode, shape in zip(modes, read_modes(folder), strict=False)}
 
 
 def figure_of_shapes(shapes: Mapping[str, UnstructuredGrid], in_space: bool) -> Figure:
@@ -75,7 +82,7 @@ def figure_of_shapes(shapes: Mapping[str, UnstructuredGrid], in_space: bool) -> 
     else:
         height = _height(bodies[0])
         columns = 1 if height < _SLENDER else min(2, count)
-        figure, panels = _panels(count, height + 2 * _MOVE, columns)
+        figure, panels = _panels(count, height + 2 * MOVE, columns)
         for panel, shape in zip(panels, bodies, strict=False):
             _draw_flat(panel, shape)
         _of_one_scale(panels[:count])
@@ -117,7 +124,7 @@ def _sized(body: UnstructuredGrid) -> tuple[float, Array]:
     sizes = np.linalg.norm(np.asarray(body["displacement"]), axis=1)
     diagonal = float(np.linalg.norm(np.ptp(np.asarray(body.points), axis=0)))
     largest = float(body["largest"][0] if "largest" in body.array_names else sizes.max()) or 1.0
-    return _MOVE * diagonal / largest, sizes / largest
+    return MOVE * diagonal / largest, sizes / largest
 
 
 def _draw_flat(panel: Axes, body: UnstructuredGrid) -> None:

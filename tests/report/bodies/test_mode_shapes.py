@@ -17,6 +17,7 @@ from fenics_contact import (
     Stability,
     Support,
 )
+from fenics_contact.report.bodies.mode_film import draw_mode_film
 from fenics_contact.report.bodies.mode_shapes import draw_mode_shapes
 from fenics_contact.report.bodies.squeal_shapes import draw_squeal_shapes
 from fenics_contact.report.drawing.fields import read_modes
@@ -96,3 +97,23 @@ def test_what_grows_while_it_slides_has_two_moments(folder):
     assert picture.path.name == "squeal.png" and picture.path.stat().st_size > 10_000
     steady = dataclasses.replace(result.stability, modes=[])
     assert not draw_squeal_shapes(folder, dataclasses.replace(result, stability=steady).record(""))
+
+
+def test_flat_modes_swing_in_a_film(folder):
+    """There and back: halfway all is at rest, and the two ends are each other's mirror image."""
+    run, record = solved(FREE, box_body((8, 2), (2.0, 0.5)), folder)
+    if run.problem.comm.rank > 0:
+        return
+    with style():
+        (film,) = draw_mode_film(folder, record)
+    assert film.path.name == "animation_modes.gif"
+    image = pytest.importorskip("PIL.Image").open(film.path)
+    frames = []
+    for number in range(image.n_frames):
+        image.seek(number)
+        frames.append(np.asarray(image.convert("L"), dtype=float))
+    count = len(frames)
+    assert count == 24 and {frame.shape for frame in frames} == {frames[0].shape}
+    assert np.abs(frames[5] - frames[count - 5]).mean() < 1  # the way back is the way there
+    moved = [np.abs(frame - frames[count // 4]).mean() for frame in frames]
+    assert min(moved[0], moved[count // 2]) > 5 * moved[3 * count // 4]
