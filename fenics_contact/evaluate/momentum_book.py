@@ -69,10 +69,12 @@ class MomentumBook:
         off = np.linalg.norm(parts.sums(left[:owned]), axis=1)
         carried = np.abs(acting) + np.abs(changes) + np.abs(forces.momenta)
         self._largest = np.maximum(self._largest, parts.sums(carried[:owned].sum(axis=1)))
-        # What has not been touched yet has round-off of the others alone.
-        sizes = np.maximum(self._largest, _UNTOUCHED * self._largest.max())
-        shares = np.divide(off, sizes, out=np.zeros_like(off), where=sizes > 0)
         allowed = 2 * size * forces.solution.imbalance_limit
+        # What has not been touched yet has round-off of the others alone; what waves have hardly
+        # reached, the imbalance that was accepted.
+        least = max(_UNTOUCHED * self._largest.max(), allowed / _ROUND_OFF)
+        sizes = np.maximum(self._largest, least)
+        shares = np.divide(off, sizes, out=np.zeros_like(off), where=sizes > 0)
         self._accepted = max(self._accepted, allowed / (self._largest.max() or 1.0))
         number = int(np.argmax(shares))
         if not shares[number] <= self.worst:

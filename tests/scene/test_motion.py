@@ -12,6 +12,7 @@ MOVING = Scene(
     material=Material(1000, 0.3, density=1.0),
     motion=Motion(step=0.1, end=1.0, velocity={"body": (1.0, 0.0)}),
 )
+BY_FORMULA = PressureFormula(kind="formula", pressure="c * d^1.5", parameters={"c": 2e4})
 PLANE = Obstacle("plane", position=(0.0, 0.0), normal=(0.0, 1.0))
 
 
@@ -25,7 +26,7 @@ PLANE = Obstacle("plane", position=(0.0, 0.0), normal=(0.0, 1.0))
             "only Coulomb's friction of law = 'incremental', or with",
         ),
         (
-            {"contact": (Contact("y0", contact="bonded", obstacle=Obstacle()),)},
+            {"contact": (Contact("y0", normal_law=BY_FORMULA, obstacle=PLANE),)},
             "only contacts that are unilateral",
         ),
         (

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 # Of a step, by which the last one may end behind the end.
 _SAME = 1e-9
 MOST_STEPS = 100_000
-_LAWS = ("unilateral", "winkler", "prescribed")
+_LAWS = ("unilateral", "winkler", "prescribed", "bonded", "normal compliance")
 
 
 @scene_class
@@ -199,7 +199,7 @@ def _require_contact(contact: Contact, key: str) -> None:
         raise ValueError(f"motion: {key}.obstacle.force: an obstacle has no mass; move it instead")
     if contact.wear is not None:
         raise ValueError(f"motion: {key}.wear: bodies that move do not wear yet; leave it out")
-    if contact.normal_law is not None or contact.kind not in _LAWS:
+    if contact.kind not in _LAWS:
         raise ValueError(f"motion: {key}: only contacts that are {', '.join(_LAWS)} can move yet")
     law = contact.friction_law
     rubs = law is not None or contact.friction_coefficient != 0
