@@ -4,7 +4,17 @@ import dataclasses
 
 import pytest
 
-from fenics_contact import Contact, Load, Material, Motion, Obstacle, Path, Scene, Steps
+from fenics_contact import (
+    Contact,
+    Load,
+    Material,
+    Motion,
+    Obstacle,
+    Path,
+    PressureFormula,
+    Scene,
+    Steps,
+)
 from fenics_contact.common.errors import SceneError
 
 MOVING = Scene(
