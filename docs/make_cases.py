@@ -102,7 +102,7 @@ def _module(case: Case) -> str:
 def _meshes(meshes: Sequence[str]) -> Iterator[str]:
     """A line a mesh; cases whose runs are processes of their own have none."""
     if not meshes:
-        yield "Its runs are processes of their own, or need no mesh."
+        yield "Its runs are processes of their own."
     for mesh in meshes:
         yield f"- {mesh}"
 

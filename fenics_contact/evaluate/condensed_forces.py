@@ -112,8 +112,7 @@ class CondensedForces(NeededForces):
     def strain_energy(self) -> float:
         """½ a(u, u): the work of all nodal forces, as the bulk is linear (energy)."""
         product = self._summed(self._displacement * (self.unbalanced + self.contacts))
-        tightened = sum(state.force * state.shortening for state in self.solution.preloads)
-        return 0.5 * (self.given_work + product + tightened)
+        return 0.5 * (self.given_work + product + self.solution.along_shortenings)
 
     @cached_property
     def of_supports(self) -> Array:

@@ -33,8 +33,7 @@ class MovingForces(BulkForces):
     def strain_energy(self) -> float:
         """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
         product = self._summed(self.displacement * self._step.internal)
-        tightened = sum(state.force * state.shortening for state in self.solution.preloads)
-        return 0.5 * (product + tightened)
+        return 0.5 * (product + self.solution.along_shortenings)
 
     @property
     def momenta(self) -> Array:

@@ -60,8 +60,7 @@ class BulkForces(NeededForces):
         """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
         solution = self.solution
         product = self._summed(solution.displacement * solution.internal_force)
-        tightened = sum(state.force * state.shortening for state in solution.preloads)
-        return 0.5 * (product + tightened)
+        return 0.5 * (product + solution.along_shortenings)
 
     @cached_property
     def of_supports(self) -> Array:

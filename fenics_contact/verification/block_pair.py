@@ -15,7 +15,7 @@ from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import MeshSource, Scene
 from fenics_contact.scene.values import AxisName, Value
 from fenics_contact.simulation.scene_run import Run
-from fenics_contact.verification.case import UntrustedError
+from fenics_contact.verification.case import UntrustedError, note_mesh
 
 LOWER, UPPER = "lower", "upper"
 Cell = Literal["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
@@ -90,6 +90,7 @@ def trusted(scene: Scene, body: Body | None = None) -> tuple[Run, Result]:
     """
     run = Run(scene, body=body)
     result = run.solve()
+    note_mesh(result.model)
     if not result.passed:
         raise UntrustedError(result.verdict)
     return run, result

@@ -34,6 +34,7 @@ AnyCase = TypeVar("AnyCase", bound=_Named)
 
 # Of the table at least; a narrower terminal, or a file, would have it cut.
 _WIDTH = 110
+_WIDEST = 10_000  # any table is narrower
 
 
 def verify(
@@ -140,8 +141,9 @@ def _print_outcomes(console: Terminal, outcomes: Sequence[Outcome]) -> None:
             table.add_row(outcome.case.name, *_cells(finding))
     console.print()
     # Numbers that are cut say nothing: a file takes any width, a terminal folds lines.
-    console.width = max(console.width, console.measure(table).maximum)
-    console.print(table, soft_wrap=True)
+    unbounded = console.options.update(max_width=_WIDEST)
+    console.width = max(console.width, console.measure(table, options=unbounded).maximum)
+    console.print(table)
     console.print("\nErrors are relative, or absolute where marked abs. References:")
     for outcome in outcomes:
         console.print(f"  {outcome.case.name}: {outcome.case.source}", markup=False, soft_wrap=True)

@@ -217,6 +217,8 @@ def test_rows_of_a_quick_case_are_those_of_the_interface(folder, capsys):
     assert row["reference"] == pytest.approx(100 * math.pi * 8)
     assert row["passed"] is True
     assert row["estimated_error"] is None
+    (mesh,) = row["meshes"]
+    assert mesh.startswith("axisymmetric: ") and "unknowns" in mesh
     assert "springs" in COMM.bcast(capsys.readouterr().out)
 
 
@@ -355,6 +357,14 @@ def test_only_what_is_within_its_tolerance_passes(folder, capsys, case, code):
     said = COMM.bcast(capsys.readouterr().out)
     assert ("FAILED" in said) == (code == 4)
     assert ("no answer" in said) == (rows[-1]["note"] == "no answer")
+
+
+def test_no_number_is_cut_in_a_file(capsys):
+    name = "what is " + 10 * "long and longer "
+    assert verify((), cases=[made(Finding(name, 1.2345678, 1.2345, 1e-2))]) == 0
+    said = COMM.bcast(capsys.readouterr().out)
+    assert f"{name.strip()} " in said and "…" not in said
+    assert "1.234568" in said and "5.5e-05" in said
 
 
 def test_wrong_solution_fails(monkeypatch):

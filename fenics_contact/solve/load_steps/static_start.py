@@ -97,8 +97,7 @@ def _stored(rest: Problem, found: Solution) -> float:
     """In strains, springs of contacts and elastic slip (energy); collective."""
     own = slice(rest.spaces.owned_nodes)
     works = found.displacement[own] * found.internal_force[own]
-    tightened = sum(state.force * state.shortening for state in found.preloads)
-    stored = 0.5 * (float(total(rest.comm, np.sum(works))) + tightened)
+    stored = 0.5 * (float(total(rest.comm, np.sum(works))) + found.along_shortenings)
     for contact, state in zip(rest.contacts, found.states, strict=True):
         stored += float(contact.trace.integral(state.penalty_energy))
         stored += contact.work.in_elastic_slip(state) if contact.friction.stores_energy else 0.0

@@ -64,6 +64,11 @@ class Solution:
         return self.find_body().internal_force
 
     @property
+    def along_shortenings(self) -> float:
+        """∑ N q of preloaded parts: twice what it adds to the strain energy (energy)."""
+        return float(sum(state.force * state.shortening for state in self.preloads))
+
+    @property
     def bulk_round_off(self) -> float:
         """Largest that round-off may leave of the balance inside the body (force); collective."""
         return self.find_body().round_off

@@ -39,7 +39,7 @@ def pulled_bar(degree, glued=True):
         load=(Load("right.x1", traction=(PULL, 0.0), path=ALWAYS),),
         contact=(Contact("right.x0", against="left.x1", contact="bonded"),) if glued else (),
         point=(Point(name="end", at=(LENGTH, 0.5)),),
-        motion=Motion(step=0.02, end=4.0),
+        motion=Motion(step=0.01, end=4.0),
     )
     parts = (
         Box("left", (0, 0), (4, 1), (8, 2)),
@@ -50,7 +50,11 @@ def pulled_bar(degree, glued=True):
 
 @pytest.mark.parametrize("degree", [1, 2])
 def test_waves_cross_the_glue_as_if_it_were_not_there(degree):
-    """The end goes out and back between 0 and twice its static place, in 4 L/c."""
+    """The end goes out and back between 0 and twice its static place, in 4 L/c.
+
+    It turns when the wave is back, which is smeared over a cell or so of .5. In the first steps
+    next to nothing has reached the left piece: that is no fault in its balance of momenta.
+    """
     found, whole = (
         Run(scene, body=body).solve()
         for scene, body in (pulled_bar(degree, glued) for glued in (True, False))
@@ -63,7 +67,7 @@ def test_waves_cross_the_glue_as_if_it_were_not_there(degree):
         np.abs(along(run, "displacement_end")[:, 0] - place).max() / largest
         for run in (found, whole)
     )
-    assert off < 0.04 and off < without + 1e-3
+    assert off < 0.5 / LENGTH and off < without + 1e-3
     assert along(found, "normal_force").min() < -0.9 * PULL  # the glue is pulled
     work = np.abs(along(found, "external_work")).max()
     assert np.abs(along(found, "energy_defect")).max() < 1e-9 * work
