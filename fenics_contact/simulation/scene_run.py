@@ -122,6 +122,7 @@ class Run:
         is_asked, passes_over = scene.derivatives is not None, scene.passes_cycles_over
         damping_scenes(scene)  # which says what of it cannot be had
         is_used_again = is_asked or scene.modes is not None or scene.stability is not None
+        is_used_again |= scene.motion is not None and scene.motion.modes is not None
         if (passes_over or (is_used_again and scene.accuracy is None)) and self._kept is None:
             body = body or mesh_of(scene, comm, self.timings)
             self._kept = KeptBody(scene, body, self.timings, KnownFactors())
@@ -131,6 +132,7 @@ class Run:
         else:
             body = body or mesh_of(scene, comm, self.timings)
             self.problem = Problem.on_mesh(scene, body, self.timings)
+        if scene.motion is not None:
             self.scene = self.problem.scene  # with the time step that it has chosen
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(self.problem)

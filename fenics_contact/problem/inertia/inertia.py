@@ -15,7 +15,7 @@ creep.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,12 +23,13 @@ import numpy as np
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.mass import Mass
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.inertia.damping import damping_of
 from fenics_contact.problem.inertia.massless import ContactMasses
+from fenics_contact.problem.inertia.modal_masses import FreeModes, ModalMasses
 from fenics_contact.problem.inertia.sliding import (
     along_contact,
     elastic_slip,
@@ -84,14 +85,14 @@ class Inertia:
         self.size = motion.size
         self._spaces, self._contacts = spaces, contacts
         density = Mass(materials, spaces)
-        self.masses = masses = ContactMasses(density.lumped(), contacts, spaces)
-        self._split = masses.split
-        self._inertial = masses.blocks * (4 / self.size**2)
-        self.stiffness = StepStiffness(self._inertial)
-        known = motion, masses.blocks, density, elastic, spaces, self._split
+        masses = ContactMasses(density.lumped(), contacts, spaces)
+        self.masses: ContactMasses | ModalMasses = masses
+        inertial = masses.blocks * (4 / self.size**2)
+        self.stiffness = StepStiffness(inertial)
+        known = motion, masses.blocks, density, elastic, spaces, masses.split_forces
         self.damping = damping_of(*known)
         if self.damping is not None:
-            self.stiffness = self.damping.added_to(self._inertial)
+            self.stiffness = self.damping.added_to(inertial)
         shape = (len(spaces.coordinates), spaces.components)
         held = np.zeros(shape[0] * shape[1], dtype=bool)
         held[constrained] = True
@@ -123,6 +124,18 @@ class Inertia:
                 raise InputError(f"{key}: must be a part of the body, not a boundary")
             found[spaces.nodes(group)] = velocity
         found[self._held] = 0.0
+        return found
+
+    def modes(self, find: Callable[[ContactMasses, Flags], FreeModes]) -> FreeModes:
+        """Let the bodies move in modes alone, by the matrix K of statics; collective.
+
+        Args:
+            find: Finds them, by masses at the nodes and what supports hold there.
+        """
+        assert isinstance(self.masses, ContactMasses)
+        found = find(self.masses, self._held)
+        self.masses = ModalMasses(self.masses, found, self._held, self._spaces)
+        self.stiffness = StepStiffness(np.zeros_like(self.stiffness.nodal))
         return found
 
     def begin(self, load: Array) -> None:
@@ -238,8 +251,8 @@ class Inertia:
         Only of the first one: where nothing has mass, a load that acts at once moves it at once.
         """
         state = self.state
-        across, _ = self._split(state.load - state.internal + state.pressed - state.drag.across)
-        return across
+        left = state.load - state.internal + state.pressed - state.drag.across
+        return self.masses.split_forces(left)[0]
 
     def applied(self, effective: Array, load: Array) -> Array:
         """Sizes of forces that an imbalance is small against, not those of a flight (force).
@@ -252,7 +265,7 @@ class Inertia:
 
     def times(self, vectors: Array) -> Array:
         """4 M/Δt² times vectors at the nodes."""
-        return np.asarray(np.einsum("nij,nj->ni", self._inertial, vectors))
+        return np.asarray(self.masses.times(vectors) * (4 / self.size**2))
 
     @property
     def predicted(self) -> Array:
@@ -266,7 +279,7 @@ class Inertia:
             load: That is given at the end of the step (force).
         """
         state = self.state
-        _, before = self._split(state.load - state.internal + state.pressed)
+        _, before = self.masses.split_forces(state.load - state.internal + state.pressed)
         found = load + before + self.times(self.predicted)
         if self.damping is None:
             return found
@@ -279,20 +292,22 @@ class Inertia:
 
         Args:
             displacement: At its end (length).
-            balanced: A u₁ (force).
+            balanced: What its system makes of u₁: A u₁, or K u₁ where modes move (force).
             load: The ``effective_load`` that it was solved with (force).
             pressed: Forces of pressures at its end (force).
         """
-        across, along = self._split(balanced - load)
-        _, shared = self._split(pressed)
+        stiffness, split = self.stiffness, self.masses.split_forces
+        added = np.einsum("nij,nj->ni", stiffness.nodal, displacement)
+        internal = (balanced - added) / stiffness.of_bulk
+        if isinstance(self.masses, ModalMasses):
+            balanced = balanced + self.times(displacement)
+        across, along = split(balanced - load)
+        _, shared = split(pressed)
         velocity = self._velocity(displacement)
         # Supports take nodes along by the mean velocity of the step.
         taken = np.where(
             self._held, self.masses.times(self.state.velocity - velocity) / self.size, 0.0
         )
-        stiffness = self.stiffness
-        added = np.einsum("nij,nj->ni", stiffness.nodal, displacement)
-        internal = (balanced - added) / stiffness.of_bulk
         dragged, drag = self._drag(displacement, internal)
         return StepForces(
             internal=internal,
@@ -316,6 +331,6 @@ class Inertia:
     def _velocity(self, displacement: Array) -> Array:
         """At the end of a step."""
         mean = (displacement - self.state.displacement) / self.size
-        across, _ = self._split(mean)
-        _, along = self._split(2 * mean - self.state.velocity)
+        across, _ = self.masses.split_motions(mean)
+        _, along = self.masses.split_motions(2 * mean - self.state.velocity)
         return np.where(self._held, mean, across + along)

@@ -55,14 +55,16 @@ class ContactMasses:
         """
         return self._with_masses(load[:, :, None])[:, :, 0]
 
-    def split(self, values: Array) -> tuple[Array, Array]:
-        """Vectors at nodes across contacts, and what is left of them.
+    def split_forces(self, values: Array) -> tuple[Array, Array]:
+        """Forces at nodes across contacts, which no mass answers, and what is left of them.
 
         Args:
             values: (nodes, components).
         """
         across = np.einsum("nij,nj->ni", self._across, values)
         return across, values - across
+
+    split_motions = split_forces
 
     def times(self, values: Array) -> Array:
         """M times vectors at nodes.

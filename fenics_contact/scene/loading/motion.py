@@ -48,6 +48,32 @@ class Rayleigh:
 
 
 @scene_class
+class MotionModes:
+    """Bodies that move in their lowest modes alone, and else give way as in statics.
+
+    Of a free body its rigid motions come first, and do not count.
+
+    >>> MotionModes().number
+    'automatic'
+    """
+
+    number: Annotated[
+        Annotated[int, Field(gt=0)] | Literal["automatic"],
+        Field(
+            description="of modes beside the rigid motions; `automatic`: twice as many until the "
+            "motion changes by no more than the accuracy"
+        ),
+    ] = "automatic"
+    accuracy: Annotated[
+        Positive,
+        Field(
+            description="of contact forces and kinetic energy in every step, over their largest "
+            "in all steps: what half of the modes may change of them"
+        ),
+    ] = 1e-3
+
+
+@scene_class
 class Motion:
     """Bodies that have mass and move, in real time: they fly, land, slide and rebound.
 
@@ -91,6 +117,14 @@ class Motion:
             "resist velocities alone, and drift under loads that last"
         ),
     ] = ()
+
+    modes: Annotated[
+        MotionModes | None,
+        Field(
+            description="move in few modes alone, where contact lasts much longer than waves take "
+            "through the bodies; without it all that the mesh can do moves"
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         if self.step == "automatic":
@@ -160,8 +194,27 @@ def require_motion(scene: Scene) -> None:
             "if it were a strain; give motion.rayleigh.mass"
         )
     _require_paths(scene)
+    _require_free_modes(scene, motion)
     for number, contact in enumerate(scene.contact):
         _require_contact(contact, f"contact[{number}]")
+
+
+def _require_free_modes(scene: Scene, motion: Motion) -> None:
+    """Modes are those of bodies alone: nothing damps, rubs or ties them."""
+    if motion.modes is None:
+        return
+    others = {
+        "motion.rayleigh": motion.rayleigh is not None,
+        "motion.absorbing": bool(motion.absorbing),
+        "preload": bool(scene.preload),
+    }
+    for number, contact in enumerate(scene.contact):
+        rubs = contact.friction_law is not None or contact.friction_coefficient != 0
+        others[f"contact[{number}] with friction"] = rubs
+        others[f"contact[{number}].kind = 'bonded'"] = contact.kind == "bonded"
+    for key, is_there in others.items():
+        if is_there:
+            raise ValueError(f"motion.modes: not beside {key} yet; leave one of the two out")
 
 
 def _require_paths(scene: Scene) -> None:

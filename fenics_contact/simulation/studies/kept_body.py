@@ -7,18 +7,23 @@ from contextlib import contextmanager
 from functools import partial
 
 from fenics_contact.body.description import BodyDescription
+from fenics_contact.common.arrays import Flags
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.evaluate.rows_of_body import RowsOfBody
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.existence.condition import require_equilibrium
+from fenics_contact.problem.inertia.massless import ContactMasses
+from fenics_contact.problem.inertia.modal_masses import FreeModes
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.saved_body import SavedBody
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
+from fenics_contact.solve.modes.free_modes import free_modes
+from fenics_contact.solve.modes.modal_bulk import ModalBulk
 
 
 class KeptBody:
@@ -43,6 +48,7 @@ class KeptBody:
         self._factors = factors
         self._earlier = 0
         self._problem: Problem | None = None
+        self._modes: FreeModes | None = None
         self.condensed: CondensedBody | None = None
         self.saved: SavedBody | None = None
 
@@ -54,12 +60,35 @@ class KeptBody:
     def condense(self, problem: Problem, timings: Timings) -> CondensedBody:
         """The body condensed, as a problem needs it; collective.
 
-        Again only where a surface is to carry forces that never did before, or where a
-        stabilisation holds the body in another way.
-
         Args:
             problem: On this body.
             timings: Seconds so far.
+        """
+        body = self._condensed_for(problem, timings)
+        return body if problem.inertia is None else self._moving(problem, body, timings)
+
+    def _moving(self, problem: Problem, body: CondensedBody, timings: Timings) -> CondensedBody:
+        """For a motion in modes, of which those that are known serve again; collective."""
+        inertia, motion = problem.inertia, problem.scene.motion
+        assert inertia is not None and motion is not None and motion.modes is not None
+        number = motion.modes.number
+        assert number != "automatic"
+
+        def find(masses: ContactMasses, held: Flags) -> FreeModes:
+            known = self._modes
+            if known is None or len(known.squares) - known.rigid < number:
+                self._modes = known = free_modes(body, masses, held, number)
+            return known.first(number)
+
+        with timings.phase("factorise"):
+            modes = inertia.modes(find)
+            return body.with_bulk(ModalBulk(body, modes, inertia.size))
+
+    def _condensed_for(self, problem: Problem, timings: Timings) -> CondensedBody:
+        """The body condensed as in statics; collective.
+
+        Again only where a surface is to carry forces that never did before, or where a
+        stabilisation holds the body in another way.
         """
         self._problem = problem
         sides, before = acting_sides(problem), self.condensed

@@ -9,18 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.linalg import cho_factor, lapack
+from scipy.linalg import lapack
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.systems.pair_stiffness import Entries
-
-_BLOCK = 256  # rows that are mirrored at a time
-
-# A pivot of this share of the largest diagonal entry belongs to a rigid motion. Where it does
-# not, the spring that it gets is taken out again just as exactly.
-_SINGULAR = 1e-9
 
 # As LAPACK gives it: LU, pivots, and whether it is singular.
 _Factor = tuple[Array, Integers, int]
@@ -44,8 +38,6 @@ class ComplianceSolver:
         # A resultant's own entry is 1; a driven obstacle, which has none, gets a spring.
         self._added = np.zeros(size)
         self._added[count:] = np.where(corner > 0, 0.0, constant.stiffest)
-        if constant.of_schur.compliance is None:
-            constant.of_schur.compliance = self._compliance(), self._added[:count].copy()
         self._inverse, self._added[:count] = constant.of_schur.compliance
         if size > count:
             own = np.diag(1 / (corner + self._added[count:]))
@@ -66,21 +58,6 @@ class ComplianceSolver:
         beside = self._inverse[:, :count] @ derived.T
         corner = below[:, :count] @ derived.T
         self._inverse = np.block([[self._inverse, beside], [below, corner]])
-
-    def _compliance(self) -> Array:
-        """Inverse of S, with springs where it lets the body move."""
-        count, schur = self._constant.count, self._constant.schur
-        if count == 0:
-            return schur
-        factor, info = lapack.dpotrf(schur, lower=1)
-        least = _SINGULAR * self._constant.stiffest
-        if info or factor.diagonal().min() ** 2 <= least:
-            _, order, rank, _ = lapack.dpstrf(schur, tol=least, lower=1)
-            self._added[order[rank:] - 1] = self._constant.stiffest
-            factor, _ = cho_factor(schur + np.diag(self._added[:count]), lower=True)
-        inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
-        _mirror(inverse)
-        return np.asarray(inverse)
 
     @property
     def compliance(self) -> Array | None:
@@ -176,11 +153,3 @@ class ComplianceSolver:
         found[active] = forces
         return np.asarray(found[:size])
 
-
-def _mirror(lower: Array) -> None:
-    """Write the lower triangle of a square matrix into the upper one, without a copy of all."""
-    for first in range(0, len(lower), _BLOCK):
-        last = first + _BLOCK
-        corner = lower[first:last, first:last]
-        corner[:] = np.tril(corner) + np.tril(corner, -1).T
-        lower[first:last, last:] = lower[last:, first:last].T

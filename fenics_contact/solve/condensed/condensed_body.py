@@ -6,6 +6,7 @@ obstacles, loads, values of supports and load steps; a problem that is done with
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -90,6 +91,7 @@ class CondensedBody:
     ) -> None:
         self.discrete = discrete
         self._constrained, self.sides = constrained, tuple(sides)
+        self._moves = step is not None
         with timings.phase("assemble"):
             self.stiffness = LocalStiffness(discrete, step)
         self.dofs = ContactDofs(discrete.spaces, constrained, sides)
@@ -98,28 +100,44 @@ class CondensedBody:
         self.held[: len(displacements)] = self.dofs.constrained[displacements]
         with timings.phase("factorise"):
             known = (self.stiffness, self.held, self.dofs.free)
-            self.bulk = (
+            bulk = (
                 CondensedBulk(*known, factors)
                 if schur is None
                 else BulkWithoutFactor(*known, schur(self.dofs), factors)
             )
-            parts = discrete.elastic.preloaded
-            self.preloads = CondensedPreloads(parts, self.stiffness, self.bulk, self.held)
-        self.loads = CondensedLoads(self.bulk)
+            self._take(bulk)
+
+    def _take(self, bulk: CondensedBulk) -> None:
+        """What is worked out of a factorisation, and remembered; collective."""
+        self.bulk, discrete = bulk, self.discrete
+        parts = discrete.elastic.preloaded
+        self.preloads = CondensedPreloads(parts, self.stiffness, bulk, self.held)
+        self.loads = CondensedLoads(bulk)
         self.loads_at = LoadsOfBody(
             self.stiffness,
             self.held,
             self.dofs,
-            self.loads,
+            bulk.condense if self._moves else self.loads.condense,
             self.preloads,
-            constrained,
-            discrete.is_kept,
+            self._constrained,
+            discrete.is_kept and not self._moves,
         )
-        self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, self.bulk))
+        self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, bulk))
         self._of_schur: OfSchur | None = None
         self._of_jumps: tuple[list[Projection], OfSchur] | None = None
         self._far: list[tuple[Array, FarLoad]] = []
         self._given_up: tuple[OfSchur, ContactVariables] | None = None
+
+    def with_bulk(self, bulk: CondensedBulk) -> CondensedBody:
+        """The same body by another bulk, of steps of motion; collective.
+
+        Args:
+            bulk: Of the same unknowns and contact dofs; its caller keeps it.
+        """
+        found = copy.copy(self)
+        found._moves = True
+        found._take(bulk)
+        return found
 
     def far_load(self, column: Array | None, places: Integers) -> FarLoad:
         """What a unit of a scalar does to the bulk through displacements that it prescribes.

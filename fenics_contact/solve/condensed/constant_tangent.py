@@ -6,13 +6,16 @@ import copy
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import blas
+from scipy.linalg import blas, cho_factor, lapack
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array
 
-# Rows that are made symmetric at a time.
+# Rows that are made symmetric, or mirrored, at a time.
 _ROWS = 512
+# A pivot of this share of the largest diagonal entry belongs to a rigid motion. Where it does
+# not, the spring that it gets is taken out again just as exactly.
+_SINGULAR = 1e-9
 
 
 class OfSchur:
@@ -20,7 +23,6 @@ class OfSchur:
 
     Attributes:
         matrix: S.
-        compliance: Its inverse, and the springs that it took: set by who finds them.
 
     Args:
         schur: S, up to round-off; it is made symmetric in place.
@@ -29,7 +31,38 @@ class OfSchur:
     def __init__(self, schur: Array) -> None:
         _make_symmetric(schur)
         self.matrix = schur
-        self.compliance: tuple[Array, Array] | None = None
+        self._compliance: tuple[Array, Array] | None = None
+
+    @property
+    def knows_compliance(self) -> bool:
+        """Whether ``compliance`` has been asked for."""
+        return self._compliance is not None
+
+    @property
+    def stiffest(self) -> float:
+        """Largest diagonal entry; 1 where supports hold all contact dofs."""
+        return float(self.matrix.diagonal().max(initial=0.0)) or 1.0
+
+    @property
+    def compliance(self) -> tuple[Array, Array]:
+        """The inverse of S with springs where it lets the body move, and the springs."""
+        if self._compliance is None:
+            self._compliance = self._inverted()
+        return self._compliance
+
+    def _inverted(self) -> tuple[Array, Array]:
+        count, springs = len(self.matrix), np.zeros(len(self.matrix))
+        if count == 0:
+            return self.matrix, springs
+        factor, info = lapack.dpotrf(self.matrix, lower=1)
+        least = _SINGULAR * self.stiffest
+        if info or factor.diagonal().min() ** 2 <= least:
+            _, order, rank, _ = lapack.dpstrf(self.matrix, tol=least, lower=1)
+            springs[order[rank:] - 1] = self.stiffest
+            factor, _ = cho_factor(self.matrix + np.diag(springs), lower=True)
+        inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
+        mirror(inverse)
+        return np.asarray(inverse), springs
 
     @cached_property
     def column_sums(self) -> Array:
@@ -76,8 +109,7 @@ class ConstantTangent:
         self.of_schur = of_schur or OfSchur(schur)
         self.schur, self.columns, self.corner, self.derived = schur, columns, corner, derived
         self.rows = np.zeros((scalars, self.count))
-        # 1 where supports hold all contact dofs, and only obstacles move.
-        self.stiffest = float(schur.diagonal().max(initial=0.0)) or 1.0
+        self.stiffest = self.of_schur.stiffest
 
     @cached_property
     def transposed(self) -> ConstantTangent:
@@ -126,3 +158,12 @@ def _make_symmetric(matrix: Array) -> None:
         mean = 0.5 * (matrix[rows, start:] + matrix[start:, rows].T)
         matrix[rows, start:] = mean
         matrix[start:, rows] = mean.T
+
+
+def mirror(lower: Array) -> None:
+    """Write the lower triangle of a square matrix into the upper one, without a copy of all."""
+    for first in range(0, len(lower), _ROWS):
+        last = first + _ROWS
+        corner = lower[first:last, first:last]
+        corner[:] = np.tril(corner) + np.tril(corner, -1).T
+        lower[first:last, last:] = lower[last:, first:last].T

@@ -5,6 +5,7 @@ Most answers of a study, and most load steps of the next one, have loads that we
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,6 @@ from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 
@@ -59,7 +59,8 @@ class LoadsOfBody:
         stiffness: That of each rank's cells.
         held: Which of this rank's unknowns of the stiffness supports hold.
         dofs: The contact dofs.
-        loads: Those condensed so far.
+        condense: Condenses a load; of motions, whose loads of inertia are others in each step, the
+            bulk itself.
         preloads: What shortenings of preloaded parts do.
         constrained: Dofs that supports hold (local indices, owned and ghost).
         is_kept: Whether it is for many answers.
@@ -70,13 +71,13 @@ class LoadsOfBody:
         stiffness: LocalStiffness,
         held: Flags,
         dofs: ContactDofs,
-        loads: CondensedLoads,
+        condense: Callable[[Array], Array],
         preloads: CondensedPreloads,
         constrained: Integers,
         is_kept: bool,
     ) -> None:
         self._stiffness, self._held, self._dofs = stiffness, held, dofs
-        self._loads, self._preloads, self._constrained = loads, preloads, constrained
+        self._condense, self._preloads, self._constrained = condense, preloads, constrained
         self._most = _MOST if is_kept else 1
         self._known: list[PresentLoads] = []
 
@@ -105,7 +106,7 @@ class LoadsOfBody:
             prescribed=prescribed,
             load=load,
             held=self._dofs.gathered(supported.reshape(-1)),
-            condensed=self._loads.condense(load),
+            condensed=self._condense(load),
             along_parts=self._preloads.from_loads(load, self._stiffness.at_unknowns(supported)),
         )
         self._known = [*self._known[1 - self._most :], found] if self._most > 1 else [found]

@@ -90,13 +90,13 @@ class ContactTangent:
         if self._is_shorter(self._split.soft):
             return self._split.factorise()
         # Where S⁻¹ is known a look costs a part of what it may spare.
-        self._passed_by = 0 if self.constant.of_schur.compliance is None else _IN_VAIN
+        self._passed_by = _IN_VAIN if self.constant.of_schur.knows_compliance else 0
         return False
 
     @property
     def _is_short(self) -> bool:
         """Whether all that touches is solved sooner than GMRES is done, whatever is soft."""
-        known = self.constant.of_schur.compliance is not None
+        known = self.constant.of_schur.knows_compliance
         return known and self._directly(self._touched) < self._by_steps
 
     @property
@@ -123,7 +123,7 @@ class ContactTangent:
         """
         directly = self._directly(self._touched)
         gain: float = _LU * float(soft) ** 3 + self._by_steps - directly
-        if self.constant.of_schur.compliance is not None:  # also by an answer before this one
+        if self.constant.of_schur.knows_compliance:  # also by an answer before this one
             return gain < 0
         self._lost += max(gain, 0.0)
         return self._lost < _INVERSE * float(self.constant.count) ** 3
