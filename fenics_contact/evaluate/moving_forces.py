@@ -42,7 +42,7 @@ class MovingForces(BulkForces):
 
     def momentum_changes(self) -> Array:
         """M (v₁ − v₀) at the nodes (mass × velocity)."""
-        return self.inertia.masses.times(self._step.velocity - self.inertia.state.velocity)
+        return self.momenta - self.inertia.masses.times(self.inertia.state.velocity)
 
     def mean_forces(self) -> Array:
         """What acts on the nodes in the step, but for the bulk's own forces (force)."""

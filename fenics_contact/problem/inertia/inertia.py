@@ -100,6 +100,8 @@ class Inertia:
         for contact in contacts:
             contact.friction_weight = 2.0
             contact.last_step.acts_all_along = True
+        self._found: tuple[MovingState, Array, StepForces] | None = None
+        self._left: tuple[MovingState, Array, Array] | None = None
         none = np.zeros(shape)
         self.state = MovingState(
             time=0.0,
@@ -226,10 +228,8 @@ class Inertia:
         Args:
             velocity: Of the nodes, (nodes, components) (length/time).
         """
-        own = slice(self._spaces.owned_nodes)
-        return float(
-            0.5 * total(self._spaces.comm, np.sum(velocity[own] * self.masses.times(velocity)[own]))
-        )
+        own, momenta = slice(self._spaces.owned_nodes), self.masses.times(velocity)
+        return float(0.5 * total(self._spaces.comm, np.sum(velocity[own] * momenta[own])))
 
     def mean_forces(self, load: Array, step: StepForces, unbalanced: Array, rubbed: Array) -> Array:
         """What acts on nodes in a step, but for the bulk's own forces (force).
@@ -250,9 +250,16 @@ class Inertia:
 
         Only of the first one: where nothing has mass, a load that acts at once moves it at once.
         """
+        return self._left_at_begin[0] - self.state.drag.across
+
+    @property
+    def _left_at_begin(self) -> tuple[Array, Array]:
+        """What forces leave at the begin of the step, without and with a mass to answer (force)."""
         state = self.state
-        left = state.load - state.internal + state.pressed - state.drag.across
-        return self.masses.split_forces(left)[0]
+        if self._left is None or self._left[0] is not state:
+            left = state.load - state.internal + state.pressed
+            self._left = state, *self.masses.split_forces(left)
+        return self._left[1:]
 
     def applied(self, effective: Array, load: Array) -> Array:
         """Sizes of forces that an imbalance is small against, not those of a flight (force).
@@ -279,8 +286,7 @@ class Inertia:
             load: That is given at the end of the step (force).
         """
         state = self.state
-        _, before = self.masses.split_forces(state.load - state.internal + state.pressed)
-        found = load + before + self.times(self.predicted)
+        found = load + self._left_at_begin[1] + self.times(self.predicted)
         if self.damping is None:
             return found
         return found + self.damping.pull(state.displacement, state.internal, state.drag)
@@ -288,7 +294,7 @@ class Inertia:
     def forces(
         self, displacement: Array, balanced: Array, load: Array, pressed: Array
     ) -> StepForces:
-        """What a step needs, from what its system gives.
+        """What a step needs, from what its system gives; the same object for the same step.
 
         Args:
             displacement: At its end (length).
@@ -296,27 +302,41 @@ class Inertia:
             load: The ``effective_load`` that it was solved with (force).
             pressed: Forces of pressures at its end (force).
         """
-        stiffness, split = self.stiffness, self.masses.split_forces
+        known = self._found
+        if known is None or known[0] is not self.state or known[1] is not displacement:
+            found = self._forces(displacement, balanced, load, pressed)
+            self._found = known = self.state, displacement, found
+        return known[2]
+
+    def _forces(
+        self, displacement: Array, balanced: Array, load: Array, pressed: Array
+    ) -> StepForces:
+        """As ``forces``."""
+        stiffness = self.stiffness
         added = np.einsum("nij,nj->ni", stiffness.nodal, displacement)
         internal = (balanced - added) / stiffness.of_bulk
-        if isinstance(self.masses, ModalMasses):
-            balanced = balanced + self.times(displacement)
-        across, along = split(balanced - load)
-        _, shared = split(pressed)
         velocity = self._velocity(displacement)
-        # Supports take nodes along by the mean velocity of the step.
-        taken = np.where(
-            self._held, self.masses.times(self.state.velocity - velocity) / self.size, 0.0
-        )
+        if isinstance(self.masses, ModalMasses):
+            needed = self.masses.needed(internal + self.times(displacement) - load, pressed)
+        else:
+            needed = self._needed(balanced - load, pressed, velocity)
         dragged, drag = self._drag(displacement, internal)
         return StepForces(
             internal=internal,
-            needed=across + 0.5 * (along + shared) + taken,
+            needed=needed,
             velocity=velocity,
             pressed=pressed,
             dragged=dragged,
             drag=drag,
         )
+
+    def _needed(self, left: Array, pressed: Array, velocity: Array) -> Array:
+        """As of ``StepForces``, of what the balance leaves to contacts and supports."""
+        across, along = self.masses.split_forces(left)
+        _, shared = self.masses.split_forces(pressed)
+        # Supports take nodes along by the mean velocity of the step.
+        taken = self.masses.times(self.state.velocity - velocity) / self.size
+        return across + 0.5 * (along + shared) + np.where(self._held, taken, 0.0)
 
     def _drag(self, displacement: Array, internal: Array) -> tuple[Array, Drag]:
         """Of damping in a step, and at its end; collective."""
@@ -331,6 +351,5 @@ class Inertia:
     def _velocity(self, displacement: Array) -> Array:
         """At the end of a step."""
         mean = (displacement - self.state.displacement) / self.size
-        across, _ = self.masses.split_motions(mean)
-        _, along = self.masses.split_motions(2 * mean - self.state.velocity)
-        return np.where(self._held, mean, across + along)
+        _, more = self.masses.split_motions(mean - self.state.velocity)
+        return np.where(self._held, mean, mean + more)

@@ -17,6 +17,9 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.inertia.massless import ContactMasses
 
+# Vectors whose momenta are kept: those of a step, and the velocity at its begin.
+_KNOWN = 4
+
 
 @dataclass(frozen=True, eq=False)
 class FreeModes:
@@ -61,6 +64,7 @@ class ModalMasses:
         self, masses: ContactMasses, modes: FreeModes, held: Flags, spaces: Spaces
     ) -> None:
         self._masses, self._modes, self._held, self._spaces = masses, modes, held, spaces
+        self._known: list[tuple[Array, Array]] = []  # of velocities, asked for in several places
 
     def with_masses(self, load: Array) -> Array:
         """As of ``ContactMasses``."""
@@ -68,7 +72,21 @@ class ModalMasses:
 
     def times(self, values: Array) -> Array:
         """Mass times vectors at nodes, (nodes, components)."""
-        return self._modes.forces @ self._along(self._modes.forces, values)
+        known = next((found for one, found in self._known if one is values), None)
+        if known is None:
+            known = self._modes.forces @ self._along(self._modes.forces, values)
+            self._known = [*self._known[1 - _KNOWN :], (values, known)]
+        return known
+
+    def needed(self, left: Array, pressed: Array) -> Array:
+        """As of ``StepForces``: at the end of a step, but of supports the mean of it (force).
+
+        Args:
+            left: What the balance leaves to contacts and supports; to these twice the mean, with
+                what presses there.
+            pressed: Forces of pressures at the end.
+        """
+        return np.where(self._held, 0.5 * (left + pressed), left)
 
     def split_forces(self, values: Array) -> tuple[Array, Array]:
         """Forces that nothing of mass answers, and those on modes and on supports.

@@ -48,23 +48,19 @@ class Eigenmodes:
         spaces: Of the body.
         times_mass: M u of nodal displacements, with no rows and columns of what is held.
         solve: K⁻¹ f of nodal forces.
-        key: Of the scene, for messages.
     """
 
-    def __init__(
-        self, spaces: Spaces, times_mass: Nodal, solve: Nodal, key: str = "modes"
-    ) -> None:
-        self._spaces, self._comm, self._key = spaces, spaces.comm, key
+    def __init__(self, spaces: Spaces, times_mass: Nodal, solve: Nodal) -> None:
+        self._spaces, self._comm = spaces, spaces.comm
         self._times_mass = times_mass
         self._served = ServedOperators(spaces, {"mass": times_mass, "solve": solve})
 
-    def lowest(self, number: int, free: int, exact: bool = False) -> list[Mode]:
+    def lowest(self, number: int, free: int) -> list[Mode]:
         """The modes of the lowest frequencies, in their order.
 
         Args:
             number: How many.
             free: Number of displacements of all ranks that nothing holds.
-            exact: Whether they are to be exact to round-off.
 
         Raises:
             InputError: There are not so many.
@@ -72,20 +68,18 @@ class Eigenmodes:
         """
         if number > free // 2:
             raise InputError(
-                f"{self._key}.number = {number}: a model of {free} free displacements has not so many; "
+                f"modes.number = {number}: a model of {free} free displacements has not so many; "
                 f"at most {free // 2}"
             )
-        values, vectors = self._served.run(
-            lambda of: self._on_root(of, number, 0.0 if exact else _ACCURATE), self._key
-        )
+        values, vectors = self._served.run(lambda of: self._on_root(of, number), "modes")
         if not np.isfinite(values).all() or values.min() <= _NONE * values.max():
             raise NotConvergedError(
-                f"{self._key}: a rigid motion is held by nothing, so that its frequency is 0; hold it "
+                "modes: a rigid motion is held by nothing, so that its frequency is 0; hold it "
                 "by a support"
             )
         return [self._mode(*pair) for pair in zip(values, vectors.T, strict=True)]
 
-    def _on_root(self, of: Vectors, number: int, tolerance: float) -> tuple[Array, Array]:
+    def _on_root(self, of: Vectors, number: int) -> tuple[Array, Array]:
         """ω² and the shapes, by rank 0 alone."""
         size = self._served.size
         operators = {
@@ -101,7 +95,7 @@ class Eigenmodes:
             OPinv=operators["solve"],
             v0=start,
             ncv=min(size, 2 * number + _MORE),
-            tol=tolerance,
+            tol=_ACCURATE,
         )
         order = np.argsort(values)
         return np.asarray(values[order]), np.asarray(vectors[:, order])

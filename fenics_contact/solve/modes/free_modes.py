@@ -7,14 +7,18 @@ balance with itself does not feel them; and what they push is just these motions
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import from_root, total
 from fenics_contact.problem.inertia.massless import ContactMasses
 from fenics_contact.problem.inertia.modal_masses import FreeModes
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.modes.eigenmodes import Eigenmodes
+from fenics_contact.solve.modes.served import ServedOperators, Vectors
 
+# Lanczos vectors beside two a mode, and the share of all displacements that may be modes.
+_MORE, _MOST = 6, 0.25
 
 class PinnedBody:
     """A body that is held by its supports, and by as few springs as it needs; collective.
@@ -58,6 +62,86 @@ class PinnedBody:
         return self._body.bulk.expand(none, at_contacts) if len(pins) else none
 
 
+class _Lowest:
+    """Modes by M^½ K⁻¹ M^½, whose largest eigenvalues are 1/ω²; collective, as all its methods.
+
+    What has no mass is nothing to it. As M K⁻¹ M beside M it would grow in Lanczos' method, as M
+    does not see it.
+
+    Args:
+        body: Condensed, of K as in statics.
+        masses: Of its nodes.
+        held: What supports hold, (nodes, components).
+    """
+
+    def __init__(self, body: CondensedBody, masses: ContactMasses, held: Flags) -> None:
+        self._body, self._masses, self._free = body, masses, ~held
+        self._spaces = body.discrete.spaces
+        self._pinned = PinnedBody(body)
+        values, ways = np.linalg.eigh(masses.blocks)
+        scaled = ways * np.sqrt(np.maximum(values, 0.0))[:, None, :]
+        self._roots = np.einsum("nik,njk->nij", scaled, ways)
+        self.rigid = self._rigid_motions()
+        self._moved = self.forces(self.rigid)
+
+    def forces(self, shapes: Array) -> Array:
+        """M times shapes at the nodes, (shapes, nodes, components); 0 where supports hold."""
+        rows = [self._masses.times(row * self._free) * self._free for row in shapes]
+        return np.array(rows).reshape(shapes.shape)
+
+    def _rigid_motions(self) -> Array:
+        """M-orthonormal, (motions, nodes, components)."""
+        found = [self._body.stiffness.at_nodes(row) for row in self._pinned.rigid_motions()]
+        rigid = np.array(found).reshape(-1, *self._free.shape)
+        if not len(rigid):
+            return rigid
+        inverse = np.linalg.inv(np.linalg.cholesky(self._dots(rigid, self.forces(rigid))))
+        return np.asarray(np.tensordot(inverse, rigid, 1))
+
+    def _dots(self, one: Array, other: Array) -> Array:
+        own = slice(self._spaces.owned_nodes)
+        flat, others = (each[:, own].reshape(len(each), -1) for each in (one, other))
+        return np.asarray(total(self._spaces.comm, flat @ others.T))
+
+    def _solve(self, nodal: Array) -> Array:
+        """By what is not rigid of forces, what is not rigid of the answer."""
+        stiffness = self._body.stiffness
+        nodal = nodal - np.tensordot(self._dots(self.rigid, nodal[None])[:, 0], self._moved, 1)
+        load = stiffness.load(nodal, np.zeros_like(nodal), self._body.held)
+        found = stiffness.at_nodes(self._pinned.solve(load))
+        rigid = np.tensordot(self._dots(self._moved, found[None])[:, 0], self.rigid, 1)
+        return np.asarray(found - rigid)
+
+    def _rooted(self, nodal: Array) -> Array:
+        return np.asarray(np.einsum("nij,nj->ni", self._roots, nodal * self._free) * self._free)
+
+    def elastic(self, number: int) -> tuple[Array, Array]:
+        """ω² of the lowest modes, and their shapes (modes, nodes, components)."""
+        count = self._dots(self._free[None].astype(float), self._free[None].astype(float)).item()
+        if number > count * _MOST:
+            raise InputError(
+                f"motion.modes.number = {number}: a model of {count:.0f} free displacements has "
+                f"not so many that few would do; at most {count * _MOST:.0f}"
+            )
+        served = ServedOperators(
+            self._spaces, {"times": lambda v: self._rooted(self._solve(self._rooted(v)))}
+        )
+
+        def find(of: Vectors) -> tuple[Array, Array]:
+            size = (served.size, served.size)
+            times = LinearOperator(size, matvec=of["times"], dtype=np.float64)
+            start = of["times"](np.random.default_rng(0).normal(size=served.size))
+            # To round-off: what the modes leave is told from them by that.
+            return eigsh(times, k=number, which="LA", v0=start, ncv=2 * number + _MORE, tol=0.0)
+
+        values, vectors = served.run(find, "motion.modes")
+        order = np.argsort(-values)
+        shapes = [
+            self._solve(self._rooted(served.at_nodes(vectors[:, n]))) / values[n] for n in order
+        ]
+        return 1 / values[order], np.array(shapes)
+
+
 def free_modes(body: CondensedBody, masses: ContactMasses, held: Flags, number: int) -> FreeModes:
     """Rigid motions, and the lowest other modes; collective.
 
@@ -71,36 +155,9 @@ def free_modes(body: CondensedBody, masses: ContactMasses, held: Flags, number: 
         InputError: There are not so many.
         NotConvergedError: They were not found.
     """
-    stiffness, spaces = body.stiffness, body.discrete.spaces
-    pinned, free = PinnedBody(body), ~held
-    own = slice(spaces.owned_nodes)
-
-    def times_mass(nodal: Array) -> Array:
-        return masses.times(nodal * free) * free
-
-    def dots(one: Array, other: Array) -> Array:
-        flat = (each[:, own].reshape(len(each), -1) for each in (one, other))
-        return np.asarray(total(spaces.comm, next(flat) @ next(flat).T))
-
-    shape = (-1, *held.shape)
-    rows = [stiffness.at_nodes(row) for row in pinned.rigid_motions()]
-    rigid = np.array(rows).reshape(shape)
-    moved = np.array([times_mass(row) for row in rigid]).reshape(shape)
-    if len(rigid):
-        inverse = np.linalg.inv(np.linalg.cholesky(dots(rigid, moved)))
-        rigid, moved = (np.tensordot(inverse, each, 1) for each in (rigid, moved))
-
-    def solve(nodal: Array) -> Array:
-        """By what is not rigid of forces, what is not rigid of the answer."""
-        nodal = nodal - np.tensordot(dots(rigid, nodal[None])[:, 0], moved, 1)
-        load = stiffness.load(nodal, np.zeros_like(nodal), body.held)
-        found = stiffness.at_nodes(pinned.solve(load))
-        return np.asarray(found - np.tensordot(dots(moved, found[None])[:, 0], rigid, 1))
-
-    count = int(total(spaces.comm, float(free[own].sum())))
-    modes = Eigenmodes(spaces, times_mass, solve, "motion.modes").lowest(number, count, exact=True)
-    sizes = [1 / np.sqrt(mode.mass) for mode in modes]
-    shapes = [*rigid, *(size * mode.shape for size, mode in zip(sizes, modes, strict=True))]
-    forces = [*moved, *(size * mode.forces for size, mode in zip(sizes, modes, strict=True))]
-    squares = [0.0] * len(rigid) + [mode.circular_frequency**2 for mode in modes]
-    return FreeModes(np.stack(shapes, axis=-1), np.stack(forces, axis=-1), np.array(squares))
+    lowest = _Lowest(body, masses, held)
+    squares, elastic = lowest.elastic(number)
+    shapes = np.concatenate([lowest.rigid, elastic])
+    forces = np.moveaxis(lowest.forces(shapes), 0, 2)
+    none = np.zeros(len(lowest.rigid))
+    return FreeModes(np.moveaxis(shapes, 0, 2), forces, np.concatenate([none, squares]))

@@ -53,7 +53,8 @@ class ModalBulk(CondensedBulk):
         self._flexed_there = np.array(nodal)[:, dofs.is_free].T
         self._make_schur()
         self._loads: list[tuple[Array, Array, Array]] = []
-        self._pushed = np.zeros((len(stiffness.numbers), 0))
+        self._unknowns, self._known = len(stiffness.numbers), 0
+        self._pushed = np.zeros((self._unknowns, 0))  # R of single forces, as many as are known
         self._place = np.full(self.count, -1)
         self._last: tuple[Array, Array, Array, Array] | None = None
         self._largest = 0.0
@@ -121,25 +122,32 @@ class ModalBulk(CondensedBulk):
     def _moved_by(self, which: Integers, forces: Array) -> Array:
         """R of forces at contact dofs."""
         new = which[self._place[which] < 0]
-        columns = self._pushed.shape[1] + len(new)
-        most = total(self.comm, float(columns * len(self._pushed) * 8 > _MOST_BYTES))
-        if most:
+        size = (self._known + len(new)) * self._unknowns * 8
+        if total(self.comm, float(size > _MOST_BYTES)):
             return self._pushed_by(which, forces[:, None])[:, 0]
         for first in range(0, len(new), _BLOCK):
-            block = new[first : first + _BLOCK]
-            self._place[block] = self._pushed.shape[1] + np.arange(len(block))
-            found = self._pushed_by(block, np.eye(len(block)))
-            self._pushed = np.asfortranarray(np.hstack([self._pushed, found]))
-        every = np.zeros(self._pushed.shape[1])
+            self._remember(new[first : first + _BLOCK])
+        every = np.zeros(self._known)
         every[self._place[which]] = forces
-        return np.asarray(self._pushed @ every)
+        return np.asarray(self._pushed[:, : self._known] @ every)
+
+    def _remember(self, new: Integers) -> None:
+        """Find R of forces of 1 at some contact dofs."""
+        last = self._known + len(new)
+        if last > self._pushed.shape[1]:
+            wider = np.zeros((self._unknowns, 2 * last), order="F")
+            wider[:, : self._known] = self._pushed[:, : self._known]
+            self._pushed = wider
+        self._pushed[:, self._known : last] = self._pushed_by(new, np.eye(len(new)))
+        self._place[new] = np.arange(self._known, last)
+        self._known = last
 
     def _pushed_by(self, which: Integers, forces: Array) -> Array:
         """R of the columns of forces at contact dofs, by a solve inside the body."""
         moved = np.zeros((forces.shape[1], 0))
         if self.comm.rank == 0:
             moved = forces.T @ self._pinned.compliance[which]
-        none = np.zeros((forces.shape[1], len(self._pushed)))
+        none = np.zeros((forces.shape[1], self._unknowns))
         found = self._static.expand(none, moved).T
         there, flexed = self._at_contacts[which].T @ forces, self._flexed_there[which].T @ forces
         return np.asarray(found - self._shapes @ (flexed - self._inner @ there) - self._flexed @ there)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from dolfinx import fem
+from scipy.sparse import csr_matrix
 
 from fenics_contact.body.elasticity import Law
 from fenics_contact.body.forms import Expr
@@ -62,46 +63,68 @@ class CellPoints:
         reference, weights = compat.quadrature_rule(mesh, spaces.degree)
         self._nodes = spaces.displacement_space.dofmap.list[: self._count]
         element = spaces.displacement_space.ufl_element().sub_elements[0]
-        self._table = element.tabulate(1, reference)
         geometry = mesh.ufl_domain().ufl_coordinate_element().sub_elements[0]
         corners = mesh.geometry.x[compat.geometry_nodes(mesh)[: self._count]]
         positions, slopes = _evaluated(geometry.tabulate(1, reference), corners)
         self.positions = positions.reshape(-1, 3)
         jacobians = slopes[:, :, : spaces.components]
-        self._inverses = np.linalg.inv(jacobians)
+        self._values, self._slopes = self._operators(element.tabulate(1, reference), jacobians)
         self.volumes = (np.abs(np.linalg.det(jacobians)) * weights).reshape(-1)
         self.cells = np.repeat(np.arange(self._count), len(weights))
         self._thickness_law = None
         if spaces.kinematics == "plane stress":
             self._thickness_law = law.with_values(lambda given: self._value_of(given, reference))
 
+    def _operators(self, table: Array, jacobians: Array) -> tuple[csr_matrix, csr_matrix]:
+        """What takes nodal values to those at the points, and to their derivatives.
+
+        Args:
+            table: Of shape functions, then of their derivatives, (1 + dimension, points, nodes, 1).
+            jacobians: (cells, points, components, dimension).
+
+        Returns:
+            (points, nodes), and by components (components × points, nodes).
+        """
+        _, points, nodes = table.shape[:3]
+        table = table.reshape(-1, points, nodes)
+        cells, size = self._count, self._spaces.components
+        columns = np.broadcast_to(self._nodes[:, None], (cells, points, nodes)).ravel()
+        slopes = np.einsum("kpn,cpkj->jcpn", table[1:], np.linalg.inv(jacobians))
+        values = np.broadcast_to(table[0], (cells, points, nodes)).ravel()
+        count, width = cells * points, len(self._spaces.coordinates)
+        first = np.arange(size * count + 1) * nodes
+        return (
+            csr_matrix((values, columns, first[: count + 1]), shape=(count, width)),
+            csr_matrix((slopes.ravel(), np.tile(columns, size), first), shape=(size * count, width)),
+        )
+
     def deformation(self, displacement: Array) -> Deformation:
         """Of a displacement at the nodes of this rank, (nodes, components) (length)."""
         size = self._spaces.components
-        moved, slopes = _evaluated(self._table, displacement[self._nodes])
-        moved = moved.reshape(-1, size)
-        gradient = np.zeros((len(moved), 3, 3))
-        gradient[:, :size, :size] = (slopes @ self._inverses).reshape(-1, size, size)
-        self._set_out_of_plane(gradient, moved)
-        skew = 0.5 * (gradient - gradient.transpose(0, 2, 1))
-        strain, least = _principal(gradient - skew)
+        moved = self._values @ displacement
+        gradient = (self._slopes @ displacement).reshape(size, -1, size)  # (by, points, of)
+        rows = np.array([[gradient[j, :, i] for j in range(size)] for i in range(size)])
+        out_of_plane = self._out_of_plane(rows, moved)
+        symmetric = 0.5 * (rows + rows.swapaxes(0, 1))
+        strains = np.einsum("ijp,ijp->p", symmetric, symmetric) + out_of_plane**2
+        rotations = np.einsum("ijp,ijp->p", rows - symmetric, rows - symmetric)
+        strain, least = _principal(symmetric, out_of_plane, np.sqrt(strains))
         turned = ~(least > -1)
-        may_turn = ~(np.linalg.norm(gradient, axis=(1, 2)) < _MAY_TURN)
+        may_turn = ~(strains + rotations < _MAY_TURN**2)
         with np.errstate(invalid="ignore"):  # what is not a number counts as turned
-            turned[may_turn] |= ~(np.linalg.det(np.eye(3) + gradient[may_turn]) > 0)
-        rotation = np.linalg.norm(skew, axis=(1, 2)) / np.sqrt(2)
-        return Deformation(strain, rotation, turned, moved)
+            whole = _in_space(rows[:, :, may_turn], out_of_plane[may_turn])
+            turned[may_turn] |= ~(np.linalg.det(np.eye(3) + whole) > 0)
+        return Deformation(strain, np.sqrt(0.5 * rotations), turned, moved)
 
-    def _set_out_of_plane(self, gradient: Array, moved: Array) -> None:
-        """u_r/r around the axis of revolution, and what makes plane stress."""
+    def _out_of_plane(self, gradient: Array, moved: Array) -> Array:
+        """u_r/r around the axis of revolution, and what makes plane stress; (points,)."""
         if self._spaces.kinematics == "axisymmetric":
-            gradient[:, 2, 2] = moved[:, 0] / self.positions[:, 0]
+            return np.asarray(moved[:, 0] / self.positions[:, 0])
         if self._thickness_law is not None:
-            shear = 0.5 * (gradient[:, 0, 1] + gradient[:, 1, 0])
-            across = self._thickness_law.thickness_strain(
-                gradient[:, 0, 0], gradient[:, 1, 1], shear
-            )
-            gradient[:, 2, 2] = across
+            shear = 0.5 * (gradient[0, 1] + gradient[1, 0])
+            law = self._thickness_law
+            return np.asarray(law.thickness_strain(gradient[0, 0], gradient[1, 1], shear))
+        return np.zeros(len(moved))
 
     def _value_of(self, coefficient: Expr | float, reference: Array) -> Array | float:
         """Of a material's coefficient at the points."""
@@ -131,12 +154,27 @@ def _evaluated(table: Array, nodal: Array) -> tuple[Array, Array]:
     return found[..., 0], found[..., 1:]
 
 
-def _principal(strain: Array) -> tuple[Array, Array]:
-    """Largest principal strain by size, and the least, of symmetric (points, 3, 3)."""
-    largest = np.linalg.norm(strain, axis=(1, 2))
-    least = -largest
+def _principal(strain: Array, out_of_plane: Array, norms: Array) -> tuple[Array, Array]:
+    """Largest principal strain by size, and the least, (points,) each.
+
+    Args:
+        strain: In the plane or in space, (components, components, points).
+        out_of_plane: Across a plane, (points,).
+        norms: Of all of it, (points,).
+    """
+    largest, least = norms, -norms
     counts = largest > _SMALL
-    values = np.linalg.eigvalsh(strain[counts])
+    values = np.linalg.eigvalsh(_in_space(strain[:, :, counts], out_of_plane[counts]))
     largest[counts] = np.abs(values).max(axis=1)
     least[counts] = values[:, 0]
     return largest, least
+
+
+def _in_space(rows: Array, out_of_plane: Array) -> Array:
+    """(components, components, points) with what is out of plane as (points, 3, 3)."""
+    size = len(rows)
+    found = np.zeros((rows.shape[2], 3, 3))
+    found[:, :size, :size] = rows.transpose(2, 0, 1)
+    if size == 2:
+        found[:, 2, 2] = out_of_plane
+    return found
