@@ -68,7 +68,7 @@ class ModalBulk(CondensedBulk):
             compliance = residual + (there * self._motions) @ there.T
             try:
                 factor = cho_factor(0.5 * (compliance + compliance.T), lower=True)
-                self.schur = cho_solve(factor, np.eye(self.count))
+                self.schur = np.ascontiguousarray(cho_solve(factor, np.eye(self.count)))
             except np.linalg.LinAlgError:
                 error = NotConvergedError(
                     "motion.modes: so many modes leave no other motion to the contacts; ask for "
