@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.loading.jumps import Jumps
-    from fenics_contact.scene.loading.motion import Motion, Rayleigh
+    from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.obstacle import HalfSpace, Obstacle
     from fenics_contact.scene.reading import load_scene
@@ -101,6 +101,7 @@ __all__ = [
     "MicroSlipFriction",
     "Modes",
     "Motion",
+    "MotionModes",
     "NoEquilibriumError",
     "NonlocalFriction",
     "NormalCompliance",
@@ -165,7 +166,7 @@ _MODULES = {
     "scene.asked.accuracy": ("Accuracy",),
     "scene.loading.cycles": ("Cycles",),
     "scene.loading.jumps": ("Jumps",),
-    "scene.loading.motion": ("Motion", "Rayleigh"),
+    "scene.loading.motion": ("Motion", "MotionModes", "Rayleigh"),
     "scene.asked.derivatives": ("AskedDerivatives",),
     "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
     "scene.asked.stability": ("Stability",),

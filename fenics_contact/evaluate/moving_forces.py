@@ -55,7 +55,8 @@ class MovingForces(BulkForces):
         moved = self.displacement - state.displacement
         acting = state.load + self.load - self.inertia.missing
         loads = 0.5 * self._summed(acting * moved)
-        return loads, self._summed(self.reactions * moved)
+        kinks = self.inertia.work_of_kinks(self._step.velocity)
+        return loads, self._summed(self.reactions * moved) - kinks
 
     def quantities(self) -> dict[str, Any]:
         """Of the whole model, beside those of statics; collective."""

@@ -55,8 +55,15 @@ def model_of(
         used_share_of_limit_load=free.used_share,
         symmetry=problem.discrete.held.symmetry,
         time_step=None if problem.inertia is None else problem.inertia.size,
+        free_modes=_free_modes(problem),
         bulk_factorisations=None if solution is None else solution.factorisations,
     )
+
+
+def _free_modes(problem: Problem) -> int | None:
+    """Of a motion that moves in some, once their number is known."""
+    modes = problem.scene.motion and problem.scene.motion.modes
+    return modes.number if modes and isinstance(modes.number, int) else None
 
 
 def _strategy_of(problem: Problem, solution: Solution | None) -> str:

@@ -24,6 +24,7 @@ from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Result
+from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.less_of import FACTOR, with_less
@@ -32,6 +33,7 @@ from fenics_contact.trust.error_estimates.budget import ErrorBudget, row_of
 # Of a difference to half the step, and to cells of half the size with half the step: by their
 # orders; and for what is not the leading order.
 _OF_STEP, _OF_CELLS, _SAFETY = 2.0, 1 / (1 - 0.5**0.5), 1.25
+_OF_MODES = 2.0
 _LESS_TOLERANCE = 1e-2
 _WORDS = {
     "mesh": "the mesh",
@@ -39,9 +41,10 @@ _WORDS = {
     "regularisation": "the regularisation",
     "iteration": "the iterations",
     "step": "the time steps",
+    "modes": "the free modes",
 }
 
-Again = Callable[[Scene, Body], Result]
+Again = Callable[[Scene, Body | None], Result]
 Errors = dict[Hashable, float]
 
 
@@ -83,6 +86,8 @@ class MotionErrors:
             "iteration": self._by_tolerance,
             "step": lambda: self._apart(self._with_half_the_step, self._body, _SAFETY * _OF_STEP),
         }
+        if self._motion.modes is not None:
+            sources["modes"] = self._by_modes
         found: dict[str, Errors | None] = {}
         notes = []
         for source, estimate in sources.items():
@@ -97,10 +102,20 @@ class MotionErrors:
         return replace(budget, notes=notes)
 
     @property
+    def _motion(self) -> Motion:
+        assert self._scene.motion is not None
+        return self._scene.motion
+
+    @property
     def _with_half_the_step(self) -> Scene:
-        motion = self._scene.motion
-        assert motion is not None
-        return replace(self._scene, motion=replace(motion, step=motion.size / 2))
+        return replace(self._scene, motion=replace(self._motion, step=self._motion.size / 2))
+
+    def _by_modes(self) -> Errors:
+        """With twice as many; how fast errors fall with them is not known, so all counts twice."""
+        modes = self._motion.modes
+        assert modes is not None and modes.number != "automatic"
+        more = replace(self._motion, modes=replace(modes, number=2 * modes.number))
+        return self._apart(replace(self._scene, motion=more), self._body, _OF_MODES)
 
     def _by_mesh(self) -> Errors:
         """With half the step as well: cells of half the size alone would be passed too fast."""

@@ -37,6 +37,7 @@ from fenics_contact.simulation import verdict
 from fenics_contact.simulation.asked_derivatives.asked import keys_asked_of
 from fenics_contact.simulation.asked_of_answer import AskedOfAnswer
 from fenics_contact.simulation.description import model_of, record_of, units_of
+from fenics_contact.simulation.modes_of_motion import ChosenModes, choose_modes
 from fenics_contact.simulation.motion_errors import MotionErrors
 from fenics_contact.simulation.output.functions import Fields
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
@@ -113,6 +114,7 @@ class Run:
         self.vibration: Vibration | None = None
         self.stability: SlidingStability | None = None
         self.at_end: AtEnd | None = None
+        self._modes = ChosenModes(scene)
         self.timings = Timings()
         with failing_together(comm):
             self._make_ready(scene, comm, body)
@@ -126,21 +128,37 @@ class Run:
         if (passes_over or (is_used_again and scene.accuracy is None)) and self._kept is None:
             body = body or mesh_of(scene, comm, self.timings)
             self._kept = KeptBody(scene, body, self.timings, KnownFactors())
-        once = one_cycle(scene, None, None)[0] if passes_over else scene
-        if self._kept is not None:
-            self.problem = Problem(once, self._kept.discrete, self.timings, by_points=True)
-        else:
+        if self._kept is None:
             body = body or mesh_of(scene, comm, self.timings)
-            self.problem = Problem.on_mesh(scene, body, self.timings)
-        if scene.motion is not None:
-            self.scene = self.problem.scene  # with the time step that it has chosen
-        with self.timings.phase("solve"):
-            self.free_motion: FreeMotion = require_equilibrium(self.problem)
+            self._pose(Problem.on_mesh(scene, body, self.timings))
+        else:
+            once = one_cycle(scene, None, None)[0] if passes_over else scene
+            self._pose(Problem(once, self._kept.discrete, self.timings, by_points=True))
         self._keys = keys_asked_of(self.problem) if is_asked else []
-        self.choice: SolverChoice = choose_solver(self.problem, self._kept is not None)
-        forces_of = partial(MovingForces if scene.motion else BulkForces, self.problem)
-        kind = CycleHistory if passes_over else StepHistory
-        self._history = kind(self.problem, self.timings, forces_of)
+
+    def _pose(self, problem: Problem) -> None:
+        """Take a problem to be solved next; collective."""
+        self.problem = problem
+        if problem.scene.motion is not None:
+            self.scene = problem.scene  # with the time step that it has chosen
+        with self.timings.phase("solve"):
+            self.free_motion: FreeMotion = require_equilibrium(problem)
+        self.choice: SolverChoice = choose_solver(problem, self._kept is not None)
+        forces_of = partial(MovingForces if self.scene.motion else BulkForces, problem)
+        kind = CycleHistory if self.scene.passes_cycles_over else StepHistory
+        self._history = kind(problem, self.timings, forces_of)
+
+    def _choose_modes(self) -> None:
+        """Of a motion that is to move in few; collective."""
+        found = self._modes = choose_modes(self.scene, self._again)
+        if found.scene is not self.scene and self._kept is not None:
+            self._pose(Problem(found.scene, self._kept.discrete, self.timings, by_points=True))
+
+    def _again(self, scene: Scene, body: Body | None = None) -> Result:
+        """What comes out of a scene like this one, on this body or another; collective."""
+        kept = self._kept if body is None else None
+        run = Run(scene, self.problem.comm, body, kept)
+        return run.solve(announce=lambda number, step: None)
 
     @property
     def worn_cycle(self) -> WornCycle | None:
@@ -180,7 +198,8 @@ class Run:
     @property
     def model(self) -> Model:
         """``model`` of ``result.json``; collective."""
-        return model_of(self.problem, self.choice, self.free_motion, self.solution)
+        model = model_of(self.problem, self.choice, self.free_motion, self.solution)
+        return dataclasses.replace(model, free_modes_error=self._modes.error)
 
     def solve(
         self,
@@ -213,6 +232,7 @@ class Run:
         with failing_together(self.problem.comm):
             if state is not None:
                 state.make_folder()
+            self._choose_modes()
             parts = (self.scene, self._history, self.timings, onlookers)
             return self._solve(WayThrough(*parts, state, saved, guess), saved)
 
@@ -239,12 +259,9 @@ class Run:
     def _budget_of_motion(self) -> ErrorBudget:
         """Of its last step; collective."""
 
-        def again(scene: Scene, body: Body) -> Result:
-            return Run(scene, self.problem.comm, body).solve(announce=lambda number, step: None)
-
         with self.timings.phase("errors"):
             parts = self.scene, self.problem.spaces, self.contacts(), self.steps[-1]
-            return MotionErrors(*parts, again).budget()
+            return MotionErrors(*parts, self._again).budget()
 
     def with_all_asked(self, result: Result) -> Result:
         """With derivatives and modes that the scene asks for, if any; collective.
@@ -302,7 +319,8 @@ class Run:
             verdict=verdict.of_answer(problem, solution, history.steps, checks, open_share)
             + cycle_words(cycles)
             + fretting_words(self.scene.fretting, fretting)
-            + self.end.others.words(),
+            + self.end.others.words()
+            + self._modes.words,
             model=self.model,
             contacts=contacts,
             supports=self.end.budget.of_supports(history.supports),

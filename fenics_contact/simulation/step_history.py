@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from fenics_contact.simulation.worn.worn_cycle import WornCycle
 
 # Steps of a motion that are many, of which strains are looked at in every fourth.
-_MANY, _SELDOM = 400, 4
+_MANY, _SELDOM = 100, 4
 
 _Forces = TypeVar("_Forces", bound=NeededForces)
 

@@ -120,8 +120,8 @@ def _suits_multigrid(problem: Problem) -> bool:
     return problem.spaces.components == 3 and problem.elastic.mixed is None
 
 
-# Gives a body that is kept, condensed for a problem; collective.
-Condense = Callable[[Problem, Timings], CondensedBody]
+# Gives a body that is kept, condensed for a problem, None where it cannot serve; collective.
+Condense = Callable[[Problem, Timings], CondensedBody | None]
 
 
 def create_system(

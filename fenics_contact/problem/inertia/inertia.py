@@ -85,7 +85,11 @@ class Inertia:
         self.size = motion.size
         self._spaces, self._contacts = spaces, contacts
         density = Mass(materials, spaces)
-        masses = ContactMasses(density.lumped(), contacts, spaces)
+        shape = (len(spaces.coordinates), spaces.components)
+        held = np.zeros(shape[0] * shape[1], dtype=bool)
+        held[constrained] = True
+        self._held = held.reshape(shape)
+        masses = ContactMasses(density.lumped(), contacts, spaces, self._held)
         self.masses: ContactMasses | ModalMasses = masses
         inertial = masses.blocks * (4 / self.size**2)
         self.stiffness = StepStiffness(inertial)
@@ -93,10 +97,6 @@ class Inertia:
         self.damping = damping_of(*known)
         if self.damping is not None:
             self.stiffness = self.damping.added_to(inertial)
-        shape = (len(spaces.coordinates), spaces.components)
-        held = np.zeros(shape[0] * shape[1], dtype=bool)
-        held[constrained] = True
-        self._held = held.reshape(shape)
         for contact in contacts:
             contact.friction_weight = 2.0
             contact.last_step.acts_all_along = True
@@ -137,6 +137,7 @@ class Inertia:
         assert isinstance(self.masses, ContactMasses)
         found = find(self.masses, self._held)
         self.masses = ModalMasses(self.masses, found, self._held, self._spaces)
+        self._left = None  # by the other masses
         self.stiffness = StepStiffness(np.zeros_like(self.stiffness.nodal))
         return found
 
@@ -230,6 +231,20 @@ class Inertia:
         """
         own, momenta = slice(self._spaces.owned_nodes), self.masses.times(velocity)
         return float(0.5 * total(self._spaces.comm, np.sum(velocity[own] * momenta[own])))
+
+    def work_of_kinks(self, velocity: Array) -> float:
+        """What supports do less than their mean force times the way (energy); collective.
+
+        They take nodes along by the mean velocity of each step. So they change it between steps, at
+        once, by an impulse at the mean of the velocities before and after it.
+
+        Args:
+            velocity: Of the nodes at the end of the step (length/time).
+        """
+        own = slice(self._spaces.owned_nodes)
+        change = np.where(self._held, velocity - self.state.velocity, 0.0)
+        work = 0.5 * np.sum(change[own] * self.masses.times(change)[own])
+        return float(total(self._spaces.comm, work))
 
     def mean_forces(self, load: Array, step: StepForces, unbalanced: Array, rubbed: Array) -> Array:
         """What acts on nodes in a step, but for the bulk's own forces (force).

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.trace import Trace
@@ -33,13 +33,16 @@ class ContactMasses:
         lumped: Of each node (mass).
         contacts: Of the problem.
         spaces: Of the body.
+        held: What supports hold, (nodes, components); what these move keeps its mass.
 
     Raises:
         InputError: All nodes of the cells around a node touch something; on every rank.
     """
 
-    def __init__(self, lumped: Array, contacts: Sequence[ContactSurface], spaces: Spaces) -> None:
-        self._across = _across_contacts(contacts, spaces)
+    def __init__(
+        self, lumped: Array, contacts: Sequence[ContactSurface], spaces: Spaces, held: Flags
+    ) -> None:
+        self._across = _across_contacts(contacts, spaces, held)
         self._neighbours = _Neighbours(self._across, spaces)
         self.blocks = self._with_masses(lumped[:, None, None] * np.eye(spaces.components))
 
@@ -75,7 +78,7 @@ class ContactMasses:
         return np.asarray(np.einsum("nij,nj->ni", self.blocks, values))
 
 
-def _across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces) -> Array:
+def _across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces, held: Flags) -> Array:
     """Projection onto the normals of one-sided contacts at each node, 0 elsewhere; collective.
 
     Of two bodies that touch, of both: with masses on one side alone, lighter ones than in the body,
@@ -84,6 +87,7 @@ def _across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces) -> Arra
     Args:
         contacts: Of the problem.
         spaces: Of the body.
+        held: What supports hold, which does not move across anything by itself.
 
     Returns:
         (nodes, components, components).
@@ -93,16 +97,16 @@ def _across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces) -> Arra
     for contact in contacts:
         if not contact.is_one_sided:
             continue
-        _add_normals(contact.trace, found)
+        _add_normals(contact.trace, held, found)
         if contact.sides.opposite is not None:
-            _add_normals(contact.sides.opposite, found)
+            _add_normals(contact.sides.opposite, held, found)
     return found
 
 
-def _add_normals(trace: Trace, found: Array) -> None:
+def _add_normals(trace: Trace, held: Flags, found: Array) -> None:
     """Normals of a surface to projections at the body's nodes; collective."""
     at_nodes = trace.at_all_nodes(trace.normals[: len(trace.nodes)])
-    normals = trace.surface.on_body(at_nodes)
+    normals = np.where(held, 0.0, trace.surface.on_body(at_nodes))
     new = normals - np.einsum("nij,nj->ni", found, normals)
     squares = np.einsum("ni,ni->n", new, new)
     other = squares > _SAME_WAY

@@ -51,10 +51,15 @@ class Model(Record):
             limit load.
         symmetry: Planes of symmetry that the model ends in, or `none`.
         time_step: Length of each step of a motion (time).
+        free_modes: Number of modes, rigid motions beside, that a motion moves in.
+        free_modes_error: What half of these change of its contact forces and kinetic energy, over
+            their largest.
         bulk_factorisations: How often the stiffness of the bodies was factorised.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"time_step", "bulk_factorisations"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
+        {"time_step", "free_modes", "free_modes_error", "bulk_factorisations"}
+    )
 
     kinematics: Kinematics
     degree: int = 1
@@ -76,6 +81,8 @@ class Model(Record):
     used_share_of_limit_load: float = 0.0
     symmetry: str = "none"
     time_step: float | None = None
+    free_modes: int | None = None
+    free_modes_error: float | None = None
     bulk_factorisations: int | None = None
 
 

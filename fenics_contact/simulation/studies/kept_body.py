@@ -57,22 +57,28 @@ class KeptBody:
         """How often it was factorised."""
         return self._earlier + (0 if self.condensed is None else self.condensed.factorisations)
 
-    def condense(self, problem: Problem, timings: Timings) -> CondensedBody:
+    def condense(self, problem: Problem, timings: Timings) -> CondensedBody | None:
         """The body condensed, as a problem needs it; collective.
 
         Args:
             problem: On this body.
             timings: Seconds so far.
-        """
-        body = self._condensed_for(problem, timings)
-        return body if problem.inertia is None else self._moving(problem, body, timings)
 
-    def _moving(self, problem: Problem, body: CondensedBody, timings: Timings) -> CondensedBody:
+        Returns:
+            None where it cannot serve: of a motion of all that a mesh can do, by other masses.
+        """
+        motion = problem.scene.motion
+        if motion is None:
+            return self.in_statics(problem, timings)
+        if motion.modes is None:
+            return None
+        assert motion.modes.number != "automatic"
+        return self._moving(problem, motion.modes.number, timings)
+
+    def _moving(self, problem: Problem, number: int, timings: Timings) -> CondensedBody:
         """For a motion in modes, of which those that are known serve again; collective."""
-        inertia, motion = problem.inertia, problem.scene.motion
-        assert inertia is not None and motion is not None and motion.modes is not None
-        number = motion.modes.number
-        assert number != "automatic"
+        body, inertia = self.in_statics(problem, timings), problem.inertia
+        assert inertia is not None
 
         def find(masses: ContactMasses, held: Flags) -> FreeModes:
             known = self._modes
@@ -84,11 +90,15 @@ class KeptBody:
             modes = inertia.modes(find)
             return body.with_bulk(ModalBulk(body, modes, inertia.size))
 
-    def _condensed_for(self, problem: Problem, timings: Timings) -> CondensedBody:
-        """The body condensed as in statics; collective.
+    def in_statics(self, problem: Problem, timings: Timings) -> CondensedBody:
+        """The body condensed, with nothing of masses; collective.
 
         Again only where a surface is to carry forces that never did before, or where a
         stabilisation holds the body in another way.
+
+        Args:
+            problem: On this body.
+            timings: Seconds so far.
         """
         self._problem = problem
         sides, before = acting_sides(problem), self.condensed
@@ -123,7 +133,7 @@ class KeptBody:
         """
         problem = Problem(scene, self.discrete, timings, by_points=True)
         require_equilibrium(problem)
-        body = self.condense(problem, timings)
+        body = self.in_statics(problem, timings)
         system = CondensedSystem(problem, timings, body)
         try:
             yield system, body

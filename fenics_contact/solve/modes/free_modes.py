@@ -17,6 +17,8 @@ from fenics_contact.problem.inertia.modal_masses import FreeModes
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.modes.served import ServedOperators, Vectors
 
+# Of eigenvalues: nearly round-off, as what modes leave is told from them by that.
+_ACCURATE = 1e-12
 # Lanczos vectors beside two a mode, and the share of all displacements that may be modes.
 _MORE, _MOST = 6, 0.25
 
@@ -100,7 +102,8 @@ class _Lowest:
 
     def _dots(self, one: Array, other: Array) -> Array:
         own = slice(self._spaces.owned_nodes)
-        flat, others = (each[:, own].reshape(len(each), -1) for each in (one, other))
+        size = self._free[own].size
+        flat, others = (each[:, own].reshape(len(each), size) for each in (one, other))
         return np.asarray(total(self._spaces.comm, flat @ others.T))
 
     def _solve(self, nodal: Array) -> Array:
@@ -131,8 +134,8 @@ class _Lowest:
             size = (served.size, served.size)
             times = LinearOperator(size, matvec=of["times"], dtype=np.float64)
             start = of["times"](np.random.default_rng(0).normal(size=served.size))
-            # To round-off: what the modes leave is told from them by that.
-            return eigsh(times, k=number, which="LA", v0=start, ncv=2 * number + _MORE, tol=0.0)
+            vectors = 2 * number + _MORE
+            return eigsh(times, k=number, which="LA", v0=start, ncv=vectors, tol=_ACCURATE)
 
         values, vectors = served.run(find, "motion.modes")
         order = np.argsort(-values)
