@@ -67,7 +67,7 @@ def choose_modes(scene: Scene, again: Callable[[Scene], Result]) -> ChosenModes:
             error = _difference(before, history)
             logger.info("%d free modes: half as many change the motion by %.2g", number, error)
             if error <= asked.accuracy:
-                said = f"half as many change forces and kinetic energy by {error:.1e} of the largest"
+                said = f"half as many change forces and energy by {error:.1e} of the largest"
                 chosen = _with(scene, replace(asked, number=number))
                 return ChosenModes(chosen, error, _words(number, said))
         before, number = history, 2 * number

@@ -258,7 +258,6 @@ class Run:
 
     def _budget_of_motion(self) -> ErrorBudget:
         """Of its last step; collective."""
-
         with self.timings.phase("errors"):
             parts = self.scene, self.problem.spaces, self.contacts(), self.steps[-1]
             return MotionErrors(*parts, self._again).budget()

@@ -70,7 +70,7 @@ class MotionModes:
             description="of contact forces and kinetic energy in every step, over their largest "
             "in all steps: what half of the modes may change of them"
         ),
-    ] = 1e-3
+    ] = 1e-2
 
 
 @scene_class

@@ -152,4 +152,3 @@ class ComplianceSolver:
         found = free - (stiffness.T @ forces) @ self._inverse[active]
         found[active] = forces
         return np.asarray(found[:size])
-

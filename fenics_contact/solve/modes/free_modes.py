@@ -22,6 +22,7 @@ _ACCURATE = 1e-12
 # Lanczos vectors beside two a mode, and the share of all displacements that may be modes.
 _MORE, _MOST = 6, 0.25
 
+
 class PinnedBody:
     """A body that is held by its supports, and by as few springs as it needs; collective.
 
@@ -135,7 +136,8 @@ class _Lowest:
             times = LinearOperator(size, matvec=of["times"], dtype=np.float64)
             start = of["times"](np.random.default_rng(0).normal(size=served.size))
             vectors = 2 * number + _MORE
-            return eigsh(times, k=number, which="LA", v0=start, ncv=vectors, tol=_ACCURATE)
+            found = eigsh(times, k=number, which="LA", v0=start, ncv=vectors, tol=_ACCURATE)
+            return np.asarray(found[0]), np.asarray(found[1])
 
         values, vectors = served.run(find, "motion.modes")
         order = np.argsort(-values)

@@ -103,14 +103,15 @@ class ModalBulk(CondensedBulk):
     def expand(self, load: Array, x: Array) -> Array:
         """This rank's unknowns where the contact dofs are x (on rank 0)."""
         same = self._last is not None and np.array_equal(load, self._last[0])
-        if not total(self.comm, float(same)) == self.comm.size:
+        if total(self.comm, float(same)) != self.comm.size:
             self.condense(load)
         assert self._last is not None
         _, along, moved, condensed = self._last
         forces = None if self.schur is None else self.schur @ x - condensed
         which, acting = from_root(self.comm, self._acting(forces, condensed))
         along = along + acting @ self._at_contacts[which]
-        return moved + self._shapes @ (self._motions * along) + self._moved_by(which, acting)
+        in_modes = self._shapes @ (self._motions * along)
+        return np.asarray(moved + in_modes + self._moved_by(which, acting))
 
     def _acting(self, forces: Array | None, condensed: Array) -> tuple[Integers, Array]:
         """Where contacts press, and how much."""
@@ -160,8 +161,9 @@ class ModalBulk(CondensedBulk):
             moved = forces.T @ self._pinned.compliance[which]
         none = np.zeros((forces.shape[1], self._unknowns))
         found = self._static.expand(none, moved).T
-        there, flexed = self._at_contacts[which].T @ forces, self._flexed_there[which].T @ forces
-        return np.asarray(found - self._shapes @ (flexed - self._inner @ there) - self._flexed @ there)
+        along, flexed = (each[which].T @ forces for each in (self._at_contacts, self._flexed_there))
+        of_modes = self._shapes @ (flexed - self._inner @ along) + self._flexed @ along
+        return np.asarray(found - of_modes)
 
     def _residual(self, left: Array, load: Array) -> tuple[Array, Array]:
         """R of what a load leaves beside the modes, and its part at the free contact dofs."""

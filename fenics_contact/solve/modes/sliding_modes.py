@@ -83,7 +83,7 @@ def sliding_modes(
 def _mass(problem: Problem) -> Callable[[Array], Array]:
     """M u as motions have it, with no rows and columns of what is held; collective."""
     lumped = Mass(problem.scene.material, problem.spaces).lumped()
-    masses = ContactMasses(lumped, problem.contacts, problem.spaces)
+    masses = ContactMasses(lumped, problem.contacts, problem.spaces, ~problem.free)
 
     def times(nodal: Array) -> Array:
         return np.asarray(masses.times(nodal * problem.free) * problem.free)

@@ -95,7 +95,9 @@ class CellPoints:
         first = np.arange(size * count + 1) * nodes
         return (
             csr_matrix((values, columns, first[: count + 1]), shape=(count, width)),
-            csr_matrix((slopes.ravel(), np.tile(columns, size), first), shape=(size * count, width)),
+            csr_matrix(
+                (slopes.ravel(), np.tile(columns, size), first), shape=(size * count, width)
+            ),
         )
 
     def deformation(self, displacement: Array) -> Deformation:

@@ -16,7 +16,7 @@ from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load
-from fenics_contact.scene.loading.motion import Motion
+from fenics_contact.scene.loading.motion import Motion, MotionModes
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -29,19 +29,23 @@ _TOUCH = 37.2e-6
 _FORCE, _STEPS = 18e3, 40
 
 
-def ball_scene(steps: int) -> Scene:
+def ball_scene(steps: int, modes: int | None = None) -> Scene:
     """It flies against a plane that it touches.
 
     Args:
         steps: While it is in touch.
+        modes: In which alone it moves, if not in all that its mesh has.
     """
+    few = None if modes is None else MotionModes(number=modes)
     return Scene(
         kinematics="axisymmetric",
         mesh=(MeshSource(mesh_file("ball.geo"), parameters={"size": 0.06}),),
         material=(Material(_YOUNG, _POISSON, density=_DENSITY),),
         discretisation=Discretisation(1),
         contact=(Contact("contact", obstacle=Obstacle("plane", position=(0, 0), normal=(0, 1))),),
-        motion=Motion(step=_TOUCH / steps, end=1.05 * _TOUCH, velocity={"ball": (0, -_SPEED)}),
+        motion=Motion(
+            step=_TOUCH / steps, end=1.05 * _TOUCH, velocity={"ball": (0, -_SPEED)}, modes=few
+        ),
         solver=SolverSettings(errors="none"),
     )
 

@@ -73,10 +73,13 @@ def _falling() -> Iterator[Finding]:
 def _balls(quick: bool) -> Iterator[Finding]:
     """A ball on a plane: its greatest force, and how smoothly the force goes."""
     resting = solved(resting_scene())
-    for steps in (200,) if quick else (200, 800, 3200):
-        found = solved(ball_scene(steps))
+    asked = (
+        [(200, None), (200, 10)] if quick else [(200, None), (200, 10), (800, None), (3200, None)]
+    )
+    for steps, modes in asked:
+        found = solved(ball_scene(steps, modes))
         force, energy = along(found, "normal_force"), found.steps[0].quantities["kinetic_energy"]
-        label = f", ball, {steps} steps of contact"
+        label = f", ball, {steps} steps of contact" + (f", in {modes} modes" if modes else "")
         greatest = force_that_stops(resting, energy)
         yield Finding(f"greatest normal_force{label}", float(force.max()), greatest, 3e-3)
         what = f"greatest second difference of it, over it{label}"

@@ -81,7 +81,7 @@ def test_a_free_body_flies_on_a_parabola(degree):
 
 def test_a_ball_is_pressed_as_its_static_answer_says():
     """Of m d'' = −F(d), with F of its own static answer."""
-    found = solved(in_modes(ball_scene(200), 10))
+    found = solved(ball_scene(200, modes=10))
     energy = found.steps[0].quantities["kinetic_energy"]
     greatest = force_that_stops(solved(resting_scene()), energy)
     assert along(found, "normal_force").max() == pytest.approx(greatest, rel=5e-3)
@@ -170,7 +170,7 @@ def test_a_shock_moves_all_that_the_mesh_has_and_says_so():
 
 def test_too_many_modes_of_few_nodes():
     scene, body = bar_on_wall(10, 1.0)
-    with pytest.raises(InputError, match="motion.modes.number = 30: .* at most 11"):
+    with pytest.raises(InputError, match=r"motion\.modes\.number = 30: .* at most 11"):
         Run(in_modes(scene, 30), body=body).solve()
 
 
