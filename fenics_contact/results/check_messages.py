@@ -139,6 +139,12 @@ WORDS: Mapping[str, CheckWords] = {
             "radius or thickness; linear theory measures the gap where points first were",
         },
     ),
+    "free_modes": CheckWords(
+        "Forces of contacts and kinetic energy of a motion in free modes against those in half as "
+        "many, or the kinetic energy that no mode has; over the largest, in the worst step.",
+        "the motion may be off by {share} for lack of free modes; ask for more, or leave "
+        "motion.modes.number to the program",
+    ),
     "momentum_balance": CheckWords(
         "The change of momentum of each connected part in a step of motion against the impulses of "
         "loads, supports and contacts; over all of these, in the worst step.",

@@ -197,6 +197,11 @@ ALL = (
         "½ v · M v, where bodies move (`[motion]`)",
     ),
     Quantity(
+        "left_out_kinetic_energy",
+        "energy",
+        "of what gives way beside the modes of `motion.modes`, which take it for none",
+    ),
+    Quantity(
         "damping_work",
         "energy",
         "what `motion.rayleigh` and `motion.absorbing` took since the start",

@@ -114,7 +114,7 @@ class Run:
         self.vibration: Vibration | None = None
         self.stability: SlidingStability | None = None
         self.at_end: AtEnd | None = None
-        self._modes = ChosenModes(scene)
+        self._modes: ChosenModes | None = None
         self.timings = Timings()
         with failing_together(comm):
             self._make_ready(scene, comm, body)
@@ -150,6 +150,8 @@ class Run:
 
     def _choose_modes(self) -> None:
         """Of a motion that is to move in few; collective."""
+        if self._modes is not None:
+            return
         found = self._modes = choose_modes(self.scene, self._again)
         if found.scene is not self.scene and self._kept is not None:
             self._pose(Problem(found.scene, self._kept.discrete, self.timings, by_points=True))
@@ -158,6 +160,7 @@ class Run:
         """What comes out of a scene like this one, on this body or another; collective."""
         kept = self._kept if body is None else None
         run = Run(scene, self.problem.comm, body, kept)
+        run._modes = ChosenModes(scene)  # how good they are is not asked again
         return run.solve(announce=lambda number, step: None)
 
     @property
@@ -199,7 +202,8 @@ class Run:
     def model(self) -> Model:
         """``model`` of ``result.json``; collective."""
         model = model_of(self.problem, self.choice, self.free_motion, self.solution)
-        return dataclasses.replace(model, free_modes_error=self._modes.error)
+        error = None if self._modes is None else self._modes.error(self.steps)
+        return dataclasses.replace(model, free_modes_error=error)
 
     def solve(
         self,
@@ -301,9 +305,10 @@ class Run:
         """Of the last load step; collective."""
         problem, solution, history = self.problem, self.solution, self._history
         assert solution is not None
+        modes = self._modes or ChosenModes(self.scene)
         quantities, open_share = history.steps[-1].quantities, history.book.open_share
         with self.timings.phase("output"):
-            checks = self.end.checks or history.checks()
+            checks = (self.end.checks or history.checks()) | modes.check(history.steps)
             points = contact_points(problem, solution)
             stress, asked = history.stress, self.scene.fretting
             found = stress and asked and evaluate_fretting(problem, asked, stress)
@@ -319,7 +324,7 @@ class Run:
             + cycle_words(cycles)
             + fretting_words(self.scene.fretting, fretting)
             + self.end.others.words()
-            + self._modes.words,
+            + modes.words(history.steps),
             model=self.model,
             contacts=contacts,
             supports=self.end.budget.of_supports(history.supports),

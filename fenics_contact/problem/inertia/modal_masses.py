@@ -78,6 +78,17 @@ class ModalMasses:
             self._known = [*self._known[1 - _KNOWN :], (values, known)]
         return known
 
+    def left_out(self, velocity: Array) -> float:
+        """Kinetic energy of all that is not in the modes, which they take for none (energy).
+
+        Args:
+            velocity: Of the nodes, (nodes, components) (length/time).
+        """
+        own = slice(self._spaces.owned_nodes)
+        moving = np.where(self._held, 0.0, self.split_motions(velocity)[0])
+        work = np.sum(moving[own] * self._masses.times(moving)[own])
+        return float(0.5 * total(self._spaces.comm, work))
+
     def needed(self, left: Array, pressed: Array) -> Array:
         """As of ``StepForces``: at the end of a step, but of supports the mean of it (force).
 

@@ -52,8 +52,8 @@ class Model(Record):
         symmetry: Planes of symmetry that the model ends in, or `none`.
         time_step: Length of each step of a motion (time).
         free_modes: Number of modes, rigid motions beside, that a motion moves in.
-        free_modes_error: What half of these change of its contact forces and kinetic energy, over
-            their largest.
+        free_modes_error: How far its contact forces and kinetic energy may be off for lack of
+            others, over the largest: the check `free_modes`.
         bulk_factorisations: How often the stiffness of the bodies was factorised.
     """
 

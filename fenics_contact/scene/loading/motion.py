@@ -61,14 +61,14 @@ class MotionModes:
         Annotated[int, Field(gt=0)] | Literal["automatic"],
         Field(
             description="of modes beside the rigid motions; `automatic`: twice as many until the "
-            "motion changes by no more than the accuracy"
+            "motion is as accurate as asked"
         ),
     ] = "automatic"
     accuracy: Annotated[
         Positive,
         Field(
             description="of contact forces and kinetic energy in every step, over their largest "
-            "in all steps: what half of the modes may change of them"
+            "in all steps: what half of the modes may change of them, and no mode may have"
         ),
     ] = 1e-2
 

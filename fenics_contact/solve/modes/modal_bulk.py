@@ -48,6 +48,9 @@ class ModalBulk(CondensedBulk):
         at_contacts = [dofs.gathered(one.reshape(-1))[dofs.is_free] for one in shapes]
         self._at_contacts = np.array(at_contacts).T
         self._flexed = self._pinned.solve(np.ascontiguousarray(self._forces.T)).T  # G M V
+        # Mean stresses of modes are those that their forces of inertia make, ω² M V.
+        stresses = slice(len(stiffness.displacements), None)
+        self._shapes[stresses] = self._flexed[stresses] * modes.squares
         self._inner = self._dots(self._forces, self._flexed)
         nodal = [dofs.gathered(stiffness.at_nodes(one).reshape(-1)) for one in self._flexed.T]
         self._flexed_there = np.array(nodal)[:, dofs.is_free].T

@@ -50,7 +50,7 @@ def test_a_bar_that_is_pulled_at_once_swings_in_its_modes_about_the_static_answe
         load=(Load("bar.x1", traction=(1.0, 0.0), path=ALWAYS),),
         support=(Support("bar.x0", {"x": 0}), Support("bar", {"y": 0})),
         point=(Point(name="tip", at=(1.0, 0.0)),),
-        motion=Motion(step=1e-3, end=0.25, modes=MotionModes(number=3)),
+        motion=Motion(step=1e-3, end=0.25, modes=MotionModes(number=3, accuracy=1.0)),
     )
     found = solved(scene, boxes([Box("bar", (0.0, 0.0), (1.0, 1 / cells), (cells, 1))]))
     tip, times = along(found, "displacement_tip")[:, 0] * modulus, times_of(found)
@@ -127,7 +127,7 @@ def test_a_body_that_is_shaken_moves_as_all_of_its_mesh_does():
         motion=Motion(step=4e-3, end=0.8),
     )
     body = box_body((16, 4), (4.0, 1.0))
-    whole, few = (solved(one, body) for one in (scene, in_modes(scene, 20)))
+    whole, few = (solved(one, body) for one in (scene, in_modes(scene, 20, accuracy=0.5)))
     places = [along(one, "displacement_tip")[:, 1] for one in (whole, few)]
     assert places[1] == pytest.approx(places[0], abs=1e-2 * np.abs(places[0]).max())
     work = along(few, "external_work")
@@ -150,14 +150,14 @@ def test_a_block_that_rests_does_not_begin_to_move():
 
 
 def test_as_many_modes_as_an_accuracy_needs():
-    """What half as many change is no more, nor are all that the mesh has far off."""
+    """What all that the mesh has does is no farther off than estimated."""
     scene = ball_scene(100)
     whole = along(solved(scene), "normal_force")
     found = solved(in_modes(scene, "automatic", accuracy=1e-2))
     assert found.model.free_modes == 10 and 0 < found.model.free_modes_error <= 1e-2
     assert "10 free modes" in found.verdict
     off = np.abs(along(found, "normal_force") - whole).max() / whole.max()
-    assert 0 < off < 2 * found.model.free_modes_error
+    assert 0.1 * found.model.free_modes_error < off < found.model.free_modes_error
 
 
 def test_a_shock_moves_all_that_the_mesh_has_and_says_so():
@@ -166,6 +166,34 @@ def test_a_shock_moves_all_that_the_mesh_has_and_says_so():
     assert found.model.free_modes is None and found.model.free_modes_error is None
     assert "Free modes do not suffice" in found.verdict
     assert along(found, "normal_force") == pytest.approx(along(whole, "normal_force"), rel=1e-9)
+
+
+def test_modes_that_bend_are_too_few_for_a_blow_along_a_bar():
+    """Twice as many that bend change nothing: what they miss is told by its kinetic energy."""
+    scene, body = bar_on_wall(20, 1.0, end=0.5)
+    found = Run(in_modes(scene, 2), body=body).solve(announce=lambda number, step: None)
+    assert not found.passed and not found.checks["free_modes"].passed
+    assert "for lack of free modes" in found.verdict
+    assert [name for name, check in found.checks.items() if not check.passed] == ["free_modes"]
+
+
+@pytest.mark.parametrize("poisson", [0.3, 0.4999])
+def test_pressures_of_bodies_that_hardly_change_their_volume(poisson):
+    """In touch at the end, where forces of the body are compared with those of the contact."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1e3, poisson, density=1.0),
+        discretisation=Discretisation(2),
+        contact=(
+            Contact(
+                "y0",
+                obstacle=Obstacle("cylinder", radius=2.0, position=(1.0, 0.0), normal=(0.0, 1.0)),
+            ),
+        ),
+        motion=Motion(step=5e-3, end=0.1, velocity={"body": (0.0, -0.1)}),
+    )
+    found = solved(in_modes(scene, 20, accuracy=0.5), box_body((12, 6), (2.0, 1.0)))
+    assert found.quantities["normal_force"] > 0 and "contact_law" in found.checks
 
 
 def test_too_many_modes_of_few_nodes():
