@@ -71,7 +71,7 @@ def moving(kind: str, modes: int | None, steps: int) -> Scene:
             step=_STEP,
             end=_STEP * steps,
             velocity={"block": tuple(-_SPEED * part for part in up)},
-            modes=None if modes is None else MotionModes(number=modes),
+            modes=None if modes is None else MotionModes(number=modes, accuracy=1.0),
         ),
     )
 

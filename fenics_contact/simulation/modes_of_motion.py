@@ -23,6 +23,8 @@ logger = logging.getLogger(__name__)
 
 # Numbers that are tried, each twice the one before.
 _FIRST, _MOST = 5, 160
+# Of what half of the modes change: blocks that hit a cylinder are up to 3.3 times as far off.
+_SAFETY = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +44,15 @@ class ChosenModes:
     def error(self, steps: Sequence[StepRecord]) -> float | None:
         """How far it may be off, over the largest; None where that is not known.
 
-        What half of the modes change, or the kinetic energy that none of them has, if that is more:
-        where an axial blow meets modes that bend alone, more of these change nothing.
+        Four times what half of the modes change, or the kinetic energy that none of them has, if
+        that is more: where an axial blow meets modes that bend alone, more of these change nothing.
 
         Args:
             steps: Of the motion so far.
         """
         if self.half is None or not steps:
             return None
-        return max(_difference(self.half, _history(steps)), _left_out(steps))
+        return _error(self.half, steps)
 
     def words(self, steps: Sequence[StepRecord]) -> str:
         """A sentence on them, or nothing; as of ``error``."""
@@ -68,6 +70,14 @@ class ChosenModes:
     @property
     def _asked(self) -> Any:
         return self.scene.motion and self.scene.motion.modes
+
+
+def modes_ahead(scene: Scene) -> int:
+    """How many modes it is going to take at least."""
+    asked = scene.motion and scene.motion.modes
+    if not asked:
+        return 0
+    return 2 * _FIRST if asked.number == "automatic" else asked.number
 
 
 def choose_modes(scene: Scene, again: Callable[[Scene], Result]) -> ChosenModes:
@@ -94,7 +104,7 @@ def choose_modes(scene: Scene, again: Callable[[Scene], Result]) -> ChosenModes:
             break
         history = _history(result.steps)
         if before is not None:
-            error = max(_difference(before, history), _left_out(result.steps))
+            error = _error(before, result.steps)
             logger.info("%d free modes: by an estimate the motion is right to %.2g", number, error)
             if error <= asked.accuracy:
                 return ChosenModes(_with(scene, replace(asked, number=number)), before)
@@ -136,6 +146,11 @@ def _history(steps: Sequence[StepRecord]) -> list[Array]:
     )
     pairs = (np.array(forces), np.array(forces)), (kinetic, kinetic + stored)
     return [found / (np.abs(of).max(initial=0.0) or 1.0) for found, of in pairs]
+
+
+def _error(before: Sequence[Array], steps: Sequence[StepRecord]) -> float:
+    """As of ``ChosenModes``, of steps and of forces and kinetic energy in half of the modes."""
+    return max(_SAFETY * _difference(before, _history(steps)), _left_out(steps))
 
 
 def _left_out(steps: Sequence[StepRecord]) -> float:

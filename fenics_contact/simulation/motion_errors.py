@@ -33,7 +33,7 @@ from fenics_contact.trust.error_estimates.budget import ErrorBudget, row_of
 # Of a difference to half the step, and to cells of half the size with half the step: by their
 # orders; and for what is not the leading order.
 _OF_STEP, _OF_CELLS, _SAFETY = 2.0, 1 / (1 - 0.5**0.5), 1.25
-_OF_MODES = 2.0
+_OF_MODES = 4.0
 _LESS_TOLERANCE = 1e-2
 _WORDS = {
     "mesh": "the mesh",
@@ -111,7 +111,7 @@ class MotionErrors:
         return replace(self._scene, motion=replace(self._motion, step=self._motion.size / 2))
 
     def _by_modes(self) -> Errors:
-        """With twice as many; how fast errors fall with them is not known, so all counts twice."""
+        """With twice as many; errors fall slowly with them, so all counts four times."""
         modes = self._motion.modes
         assert modes is not None and modes.number != "automatic"
         more = replace(self._motion, modes=replace(modes, number=2 * modes.number))

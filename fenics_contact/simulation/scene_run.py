@@ -37,7 +37,7 @@ from fenics_contact.simulation import verdict
 from fenics_contact.simulation.asked_derivatives.asked import keys_asked_of
 from fenics_contact.simulation.asked_of_answer import AskedOfAnswer
 from fenics_contact.simulation.description import model_of, record_of, units_of
-from fenics_contact.simulation.modes_of_motion import ChosenModes, choose_modes
+from fenics_contact.simulation.modes_of_motion import ChosenModes, choose_modes, modes_ahead
 from fenics_contact.simulation.motion_errors import MotionErrors
 from fenics_contact.simulation.output.functions import Fields
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
@@ -152,6 +152,8 @@ class Run:
         """Of a motion that is to move in few; collective."""
         if self._modes is not None:
             return
+        if self._kept is not None:
+            self._kept.modes_ahead = modes_ahead(self.scene)
         found = self._modes = choose_modes(self.scene, self._again)
         if found.scene is not self.scene and self._kept is not None:
             self._pose(Problem(found.scene, self._kept.discrete, self.timings, by_points=True))

@@ -33,6 +33,7 @@ class KeptBody:
         discrete: The body made ready.
         condensed: The body condensed, None before a problem needs it.
         saved: What a file has of that, for the first problem that it suits.
+        modes_ahead: How many modes motions on it will need, which are found together.
 
     Args:
         scene: Any whose body it is.
@@ -49,6 +50,7 @@ class KeptBody:
         self._earlier = 0
         self._problem: Problem | None = None
         self._modes: FreeModes | None = None
+        self.modes_ahead = 0
         self.condensed: CondensedBody | None = None
         self.saved: SavedBody | None = None
 
@@ -83,7 +85,8 @@ class KeptBody:
         def find(masses: ContactMasses, held: Flags) -> FreeModes:
             known = self._modes
             if known is None or len(known.squares) - known.rigid < number:
-                self._modes = known = free_modes(body, masses, held, number)
+                found = max(number, self.modes_ahead)
+                self._modes = known = free_modes(body, masses, held, found)
             return known.first(number)
 
         with timings.phase("factorise"):
