@@ -72,24 +72,19 @@ class ChosenModes:
         return self.scene.motion and self.scene.motion.modes
 
 
-def modes_ahead(scene: Scene) -> int:
+def modes_ahead(asked: MotionModes) -> int:
     """How many modes it is going to take at least."""
-    asked = scene.motion and scene.motion.modes
-    if not asked:
-        return 0
     return 2 * _FIRST if asked.number == "automatic" else asked.number
 
 
-def choose_modes(scene: Scene, again: Callable[[Scene], Result]) -> ChosenModes:
+def choose_modes(scene: Scene, asked: MotionModes, again: Callable[[Scene], Result]) -> ChosenModes:
     """Solve with few modes and with more, as many as needed, or with half of what is asked for.
 
     Args:
-        scene: That leaves their number to the program, or not; collective.
+        scene: Of a motion; collective.
+        asked: Its modes, whose number it leaves to the program, or not.
         again: Solves a motion.
     """
-    asked = None if scene.motion is None else scene.motion.modes
-    if asked is None:
-        return ChosenModes(scene)
     if asked.number != "automatic":
         return ChosenModes(scene, *_half(scene, asked, asked.number, again))
     number, why, before = _FIRST, f"{_MOST} are not enough", None

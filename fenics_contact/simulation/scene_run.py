@@ -150,13 +150,13 @@ class Run:
 
     def _choose_modes(self) -> None:
         """Of a motion that is to move in few; collective."""
-        if self._modes is not None:
+        motion, kept = self.scene.motion, self._kept
+        if self._modes is not None or kept is None or motion is None or motion.modes is None:
             return
-        if self._kept is not None:
-            self._kept.modes_ahead = modes_ahead(self.scene)
-        found = self._modes = choose_modes(self.scene, self._again)
-        if found.scene is not self.scene and self._kept is not None:
-            self._pose(Problem(found.scene, self._kept.discrete, self.timings, by_points=True))
+        kept.modes_ahead = modes_ahead(motion.modes)
+        self._modes = choose_modes(self.scene, motion.modes, self._again)
+        # Anew in any case: what faces what is that of the last problem on the body.
+        self._pose(Problem(self._modes.scene, kept.discrete, self.timings, by_points=True))
 
     def _again(self, scene: Scene, body: Body | None = None) -> Result:
         """What comes out of a scene like this one, on this body or another; collective."""

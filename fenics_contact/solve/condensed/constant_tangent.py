@@ -61,7 +61,7 @@ class OfSchur:
             springs[order[rank:] - 1] = self.stiffest
             factor, _ = cho_factor(self.matrix + np.diag(springs), lower=True)
         inverse, _ = lapack.dpotri(factor, lower=1, overwrite_c=1)
-        mirror(inverse)
+        _mirror(inverse)
         return np.asarray(inverse), springs
 
     @cached_property
@@ -160,7 +160,7 @@ def _make_symmetric(matrix: Array) -> None:
         matrix[start:, rows] = mean.T
 
 
-def mirror(lower: Array) -> None:
+def _mirror(lower: Array) -> None:
     """Write the lower triangle of a square matrix into the upper one, without a copy of all."""
     for first in range(0, len(lower), _ROWS):
         last = first + _ROWS

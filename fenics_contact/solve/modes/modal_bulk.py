@@ -150,7 +150,8 @@ class ModalBulk(CondensedBulk):
         """Find R of forces of 1 at some contact dofs."""
         last = self._known + len(new)
         if last > self._pushed.shape[1]:
-            wider = np.zeros((self._unknowns, 2 * last), order="F")
+            room = max(last, min(2 * last, int(_MOST_BYTES / 8 / self._unknowns)))
+            wider = np.zeros((self._unknowns, room), order="F")
             wider[:, : self._known] = self._pushed[:, : self._known]
             self._pushed = wider
         self._pushed[:, self._known : last] = self._pushed_by(new, np.eye(len(new)))
