@@ -8,7 +8,6 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.evaluate.contact_resultants import resultant
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.problem.inertia.modal_masses import ModalMasses
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.motion_steps import forces_of_step
 from fenics_contact.solve.newton.solution import Solution
@@ -63,10 +62,9 @@ class MovingForces(BulkForces):
         """Of the whole model, beside those of statics; collective."""
         spaces = self.problem.spaces
         damped = {} if self.inertia.damping is None else {"damping_work": self._step.drag.lost}
-        if isinstance(masses := self.inertia.masses, ModalMasses):
-            damped = {"left_out_kinetic_energy": masses.left_out(self._step.velocity)}
         return {
             "kinetic_energy": self.inertia.kinetic_energy(self._step.velocity),
+            **self.inertia.masses.quantities(self._step.velocity),
             **damped,
             "momentum": resultant(spaces, self.momenta[: spaces.owned_nodes]).tolist(),
         }

@@ -331,10 +331,10 @@ class Inertia:
         added = np.einsum("nij,nj->ni", stiffness.nodal, displacement)
         internal = (balanced - added) / stiffness.of_bulk
         velocity = self._velocity(displacement)
-        if isinstance(self.masses, ModalMasses):
-            needed = self.masses.needed(internal + self.times(displacement) - load, pressed)
-        else:
-            needed = self._needed(balanced - load, pressed, velocity)
+        if not self.masses.in_matrix:
+            balanced = internal + self.times(displacement)
+        slowed = (self.state.velocity - velocity) / self.size
+        needed = self.masses.needed(balanced - load, pressed, slowed)
         dragged, drag = self._drag(displacement, internal)
         return StepForces(
             internal=internal,
@@ -344,14 +344,6 @@ class Inertia:
             dragged=dragged,
             drag=drag,
         )
-
-    def _needed(self, left: Array, pressed: Array, velocity: Array) -> Array:
-        """As of ``StepForces``, of what the balance leaves to contacts and supports."""
-        across, along = self.masses.split_forces(left)
-        _, shared = self.masses.split_forces(pressed)
-        # Supports take nodes along by the mean velocity of the step.
-        taken = self.masses.times(self.state.velocity - velocity) / self.size
-        return across + 0.5 * (along + shared) + np.where(self._held, taken, 0.0)
 
     def _drag(self, displacement: Array, internal: Array) -> tuple[Array, Drag]:
         """Of damping in a step, and at its end; collective."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -27,6 +28,7 @@ class ContactMasses:
     """Lumped masses of nodes, with none across contacts; collective.
 
     Attributes:
+        in_matrix: Whether the matrix of a step has them.
         blocks: (nodes, components, components) (mass).
 
     Args:
@@ -39,9 +41,12 @@ class ContactMasses:
         InputError: All nodes of the cells around a node touch something; on every rank.
     """
 
+    in_matrix: ClassVar = True
+
     def __init__(
         self, lumped: Array, contacts: Sequence[ContactSurface], spaces: Spaces, held: Flags
     ) -> None:
+        self._held = held
         self._across = _across_contacts(contacts, spaces, held)
         self._neighbours = _Neighbours(self._across, spaces)
         self.blocks = self._with_masses(lumped[:, None, None] * np.eye(spaces.components))
@@ -68,6 +73,23 @@ class ContactMasses:
         return across, values - across
 
     split_motions = split_forces
+
+    def needed(self, left: Array, pressed: Array, slowed: Array) -> Array:
+        """As of ``StepForces``, of what the balance leaves to contacts and supports (force).
+
+        Args:
+            left: That, (nodes, components) (force).
+            pressed: Forces of pressures at the end of the step (force).
+            slowed: The mean deceleration; supports take nodes along by the mean velocity of the
+                step (length/time²).
+        """
+        across, along = self.split_forces(left)
+        _, shared = self.split_forces(pressed)
+        return across + 0.5 * (along + shared) + np.where(self._held, self.times(slowed), 0.0)
+
+    def quantities(self, velocity: Array) -> dict[str, float]:
+        """Beside the kinetic energy: none, as all that there is moves."""
+        return {}
 
     def times(self, values: Array) -> Array:
         """M times vectors at nodes.

@@ -9,6 +9,7 @@ has no mass, contacts among it, is in balance at the end of each step.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -53,12 +54,17 @@ class FreeModes:
 class ModalMasses:
     """M V Vᵀ M in place of M; collective, as all its methods.
 
+    Attributes:
+        in_matrix: As of ``ContactMasses``: of few modes the matrix is that of statics.
+
     Args:
         masses: M.
         modes: V.
         held: What supports hold, (nodes, components).
         spaces: Of the body.
     """
+
+    in_matrix: ClassVar = False
 
     def __init__(
         self, masses: ContactMasses, modes: FreeModes, held: Flags, spaces: Spaces
@@ -78,7 +84,7 @@ class ModalMasses:
             self._known = [*self._known[1 - _KNOWN :], (values, known)]
         return known
 
-    def left_out(self, velocity: Array) -> float:
+    def quantities(self, velocity: Array) -> dict[str, float]:
         """Kinetic energy of all that is not in the modes, which they take for none (energy).
 
         Args:
@@ -87,15 +93,12 @@ class ModalMasses:
         own = slice(self._spaces.owned_nodes)
         moving = np.where(self._held, 0.0, self.split_motions(velocity)[0])
         work = np.sum(moving[own] * self._masses.times(moving)[own])
-        return float(0.5 * total(self._spaces.comm, work))
+        return {"left_out_kinetic_energy": float(0.5 * total(self._spaces.comm, work))}
 
-    def needed(self, left: Array, pressed: Array) -> Array:
-        """As of ``StepForces``: at the end of a step, but of supports the mean of it (force).
+    def needed(self, left: Array, pressed: Array, slowed: Array) -> Array:
+        """As of ``ContactMasses``; what supports hold is in no mode, and has no mass here.
 
-        Args:
-            left: What the balance leaves to contacts and supports; to these twice the mean, with
-                what presses there.
-            pressed: Forces of pressures at the end.
+        To supports the balance leaves twice their mean, with what presses there.
         """
         return np.where(self._held, 0.5 * (left + pressed), left)
 
