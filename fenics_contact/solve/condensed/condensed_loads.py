@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import total
+from fenics_contact.common.parallel import largest, total
 from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 
 # Round-off of a combination of loads, of its size.
@@ -27,13 +27,19 @@ class CondensedLoads:
         return self._known
 
     def know(self, load: Array, condensed: Array) -> None:
-        """Take over one that was condensed before.
+        """Take over one that was condensed before, of size 1; collective.
+
+        Squares of forces may be too small for a number where the forces themselves are not. A load
+        that is zero is a combination of any others, and of none of them a part: it is not kept.
 
         Args:
             load: This rank's share of the forces on its unknowns.
             condensed: On the contact dofs, on rank 0.
         """
-        self._known = [*self._known[-_MOST + 1 :], (load, condensed)]
+        size = largest(self._comm, np.abs(load))
+        if size > 0:
+            pair = load / size, condensed / size
+            self._known = [*self._known[-_MOST + 1 :], pair]
 
     def condense(self, load: Array) -> Array:
         """The condensed load, on rank 0; collective.
@@ -45,9 +51,10 @@ class CondensedLoads:
         shares = self._shares(load)
         left = load - self._combined(shares, 0)
         condensed = np.zeros(self._bulk.count) + self._combined(shares, 1)
-        if total(self._comm, np.abs(left).sum()) > _SAME * total(self._comm, np.abs(load).sum()):
-            self.know(left, self._bulk.condense(left))
-            condensed = condensed + self._known[-1][1]
+        if self._is_new(left, load):
+            of_left = self._bulk.condense(left)
+            self.know(left, of_left)
+            condensed = condensed + of_left
         return condensed
 
     def foresee(self, loads: Array) -> None:
@@ -59,7 +66,13 @@ class CondensedLoads:
         for load, condensed in zip(loads, self._bulk.condense(loads), strict=True):
             shares = self._shares(load)
             left = load - self._combined(shares, 0)
-            self.know(left, condensed - self._combined(shares, 1))
+            if self._is_new(left, load):
+                self.know(left, condensed - self._combined(shares, 1))
+
+    def _is_new(self, left: Array, load: Array) -> bool:
+        """Whether what known loads leave of one is more than round-off; collective."""
+        sums = total(self._comm, np.array([np.abs(left).sum(), np.abs(load).sum()]))
+        return bool(sums[0] > _SAME * sums[1])
 
     def _combined(self, shares: Array, part: int) -> Array | float:
         """Of the known loads, or of what they are condensed."""
@@ -73,6 +86,6 @@ class CondensedLoads:
         gram, right = sums[:-1], sums[-1]
         if not right.any():
             return np.zeros(len(right))
-        size = np.sqrt(gram.diagonal())
+        size = np.sqrt(gram.diagonal())  # > 0, as each has an entry of 1
         scaled = np.linalg.lstsq(gram / np.outer(size, size), right / size, rcond=1e-14)[0]
         return np.asarray(scaled / size)

@@ -171,8 +171,9 @@ class GivenRows:
             return shares
         count = len(alike)
         outside, inside = sums[-1 - 2 * count : -1 - count], sums[-1 - count : -1]
-        usable = inside >= outside * (1 - _SAME)  # none that acts elsewhere, too
         gram, right = np.split(sums[: count * (count + 1)].reshape(count + 1, count), [count])
+        # None that is zero, and none that acts elsewhere, too.
+        usable = (gram.diagonal() > 0) & (inside >= outside * (1 - _SAME))
         lengths = np.where(usable, np.sqrt(gram.diagonal()), np.inf)
         scaled = np.linalg.lstsq(
             gram / np.outer(lengths, lengths), right[0] / lengths, rcond=1e-14
