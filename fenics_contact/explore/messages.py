@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.results.records.record import plain
+
 _WORD = 4  # bytes; every part begins at a multiple of it
 _TYPES = {"f": "<f4", "i": "<i4"}
 
@@ -34,10 +36,11 @@ class Message:
         parts, rows = [], []
         for name, values in self.arrays.items():
             letter = "i" if values.dtype.kind in "iub" else "f"
-            plain = np.ascontiguousarray(values, dtype=_TYPES[letter])
-            parts.append(plain.tobytes())
-            rows.append([name, letter, plain.size])
-        head = json.dumps({"kind": self.kind, **self.header, "arrays": rows}, allow_nan=False)
+            packed = np.ascontiguousarray(values, dtype=_TYPES[letter])
+            parts.append(packed.tobytes())
+            rows.append([name, letter, packed.size])
+        header = plain({"kind": self.kind, **self.header, "arrays": rows})
+        head = json.dumps(header, allow_nan=False)
         text = head.encode()
         text += b" " * (-len(text) % _WORD)
         return b"".join([len(text).to_bytes(_WORD, "little"), text, *parts])

@@ -9,6 +9,8 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any, ClassVar, TypeVar
 
+import numpy as np
+
 Class = TypeVar("Class", bound=type)
 # By name: a number, a list for a vector, None where there is no value.
 Quantities = Mapping[str, Any]
@@ -60,16 +62,21 @@ def _attributes(record: type[Record]) -> frozenset[str]:
 
 
 def plain(value: Any) -> Any:
-    """Records and all that is in them as dictionaries and lists.
+    """Records and all that is in them as dictionaries, lists and Python's own numbers.
+
+    JSON has no others: of NumPy's it would refuse all but floating-point numbers.
 
     Args:
         value: A record, or what may stand in one.
+
+    >>> plain({"passed": np.bool_(True), "force": np.array([1.0, 2.0]), "steps": np.int64(3)})
+    {'passed': True, 'force': [1.0, 2.0], 'steps': 3}
     """
     if isinstance(value, Mapping):
         return {key: plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]
-    return value
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 def meanings(record: type) -> dict[str, str]:

@@ -162,7 +162,7 @@ def find_window(
         half = min(wanted, widest)
     if cells is None:
         return None
-    boxes = sorted(2 * half / found for found in cells if found > 0)
+    boxes = sorted(2 * half / found for found in cells.tolist() if found > 0)
     moves = bool(boxes) and boxes[0] < 2 * widest / _MOVES
     boxes = [box for box in boxes if box <= 2 * widest]
     is_narrow = moves and not boxes

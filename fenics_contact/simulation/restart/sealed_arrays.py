@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.atomic_files import naming, replaced_file
 from fenics_contact.common.errors import InputError
+from fenics_contact.results.records.record import plain
 from fenics_contact.simulation.restart.earlier_states import is_earlier
 
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
@@ -49,7 +50,7 @@ class NewArrays:
 
     def seal(self, header: dict[str, Any]) -> None:
         """Write what is no array, and the checksum of all."""
-        self.add(_HEADER, np.frombuffer(json.dumps(header).encode(), dtype=np.uint8))
+        self.add(_HEADER, np.frombuffer(json.dumps(plain(header)).encode(), dtype=np.uint8))
         self._write(_CHECKSUM, np.frombuffer(self._digest.digest(), dtype=np.uint8))
 
     def _write(self, name: str, array: NDArray[Any]) -> None:

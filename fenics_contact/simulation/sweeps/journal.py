@@ -24,6 +24,7 @@ import numpy as np
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.atomic_files import append, make_folder, replace_file, replaced_file
 from fenics_contact.common.errors import InputError, MachineError, StoppedError
+from fenics_contact.results.records.record import plain
 from fenics_contact.simulation.sweeps.folder_lock import FolderLock
 from fenics_contact.simulation.sweeps.tables import clear
 
@@ -66,7 +67,7 @@ class Done:
         Args:
             states: Name → array.
         """
-        text = json.dumps(dataclasses.asdict(self))
+        text = json.dumps(plain(dataclasses.asdict(self)))
         file = io.BytesIO()
         np.savez(file, allow_pickle=False, **{_ROW: np.array(text)}, **states)
         return file.getvalue()

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.atomic_files import naming, replace_file, replaced_file
+from fenics_contact.results.records.record import plain
 from fenics_contact.simulation.sweeps.rows import STATES, Row, columns_of
 
 TABLE, SUMMARY, STATES_FILE, PAGE = "sweep.csv", "sweep.json", "states.npz", "sweep.html"
@@ -56,7 +57,7 @@ def _field(value: Any) -> str:
     """A value as spreadsheets and Python read it; nothing where there is none."""
     if value is None or isinstance(value, str):
         return value or ""
-    return json.dumps(value, default=str)
+    return json.dumps(plain(value), default=str)
 
 
 def write_summary(folder: Path, content: Mapping[str, Any]) -> None:
@@ -69,7 +70,7 @@ def write_summary(folder: Path, content: Mapping[str, Any]) -> None:
     Raises:
         MachineError: It could not be written.
     """
-    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False, default=str)
+    text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=False, default=str)
     replace_file(folder / SUMMARY, f"{text}\n".encode())
 
 

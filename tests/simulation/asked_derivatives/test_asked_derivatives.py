@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
@@ -16,6 +17,7 @@ from fenics_contact import (
     Scene,
     Steps,
     Study,
+    Support,
     load_scene,
     main,
     run,
@@ -24,6 +26,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.words.derivatives import notes_on_derivatives
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
 from fenics_contact.simulation.asked_derivatives.windows import Window
+from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.simulation.sensitivities.kinks import has_kink
 from tests.scenes import ROOT, box_body
@@ -323,3 +326,28 @@ load.1.traction.0 = 0.3
     page = (tmp_path / "out" / "report.html").read_text()
     assert "friction_force_x: which number moves it most" in page
     assert "The data or the mesh" in page
+
+
+def test_of_a_block_under_a_rough_plane_by_what_moves_no_edge(tmp_path):
+    """The force is E times a function of ν, times what the plane is pushed in by."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(
+            Contact(
+                on="y1",
+                friction_coefficient=0.3,
+                obstacle=Obstacle(
+                    shape="plane", position=(0.5, 1), normal=(0, -1), indentation=0.01
+                ),
+            ),
+        ),
+    )
+    scene = asking(scene, ("normal_force",), (E, "contact.0.obstacle.indentation"))
+    body = box_body((4, 4), comm=MPI.COMM_SELF)
+    files.solve_and_write(Run(scene, MPI.COMM_SELF, body), tmp_path)
+    written = json.loads((tmp_path / "result.json").read_text())
+    force, found = written["quantities"]["normal_force"], written["derivatives"]["normal_force"]
+    assert found[E]["value"] == pytest.approx(force / 1000, rel=2e-4)
+    assert found["contact.0.obstacle.indentation"]["value"] == pytest.approx(force / 0.01, rel=2e-4)
