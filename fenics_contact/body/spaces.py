@@ -54,6 +54,8 @@ class Spaces:
             )
         if description.kinematics == "axisymmetric":
             body.require_radii()
+        if self.degree < self.geometry_order:
+            body.require_straight()
         self.components = description.dimension
         self.displacement_space = fem.functionspace(
             body.mesh, ("Lagrange", self.degree, (self.components,))

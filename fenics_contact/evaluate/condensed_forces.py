@@ -143,16 +143,11 @@ class CondensedForces(NeededForces):
         resultants, turning = np.zeros((parts.count, 3)), np.zeros((len(nodes), 3))
         resultants[:, :size] = parts.sums(forces[nodes], nodes) + reactions.sum(axis=0)
         turning[:, :size] = forces[nodes]
-        turned = nodes
-        if spaces.degree < spaces.geometry_order:  # see ``BulkForces.balances``
-            turned = self.acting(self.unbalanced)
-            turning, moments = np.zeros((len(turned), 3)), np.zeros_like(moments)
-            turning[:, :size] = -self.unbalanced[turned]
-        arms = parts.arms[turned] / parts.sizes[parts.of_node[turned], None]
+        arms = parts.arms[nodes] / parts.sizes[parts.of_node[nodes], None]
         carried = parts.sums(np.abs(forces[nodes]).sum(axis=1), nodes)
         return Balances(
             resultants,
-            parts.sums(np.cross(arms, turning), turned) + moments,
+            parts.sums(np.cross(arms, turning), nodes) + moments,
             carried + np.abs(reactions).sum(axis=(0, 2)),
         )
 

@@ -100,14 +100,9 @@ class BulkForces(NeededForces):
         spaces = self.problem.spaces
         parts, owned = spaces.parts, spaces.owned_nodes
         applied = (self.load + self.reactions + self.contacts)[:owned]
-        turning = applied
-        if spaces.degree < spaces.geometry_order:
-            # Straight shape functions on curved cells cannot turn rigidly: what turns the bulk's
-            # own forces is not balanced, by an error of the discretisation, and taken off.
-            turning = applied - self.solution.internal_force[:owned]
-        forces, turns = np.zeros((2, owned, 3))
-        forces[:, : spaces.components], turns[:, : spaces.components] = applied, turning
-        moments = np.cross(parts.arms[:owned], turns) / parts.sizes[parts.of_node[:owned], None]
+        forces = np.zeros((owned, 3))
+        forces[:, : spaces.components] = applied
+        moments = np.cross(parts.arms[:owned], forces) / parts.sizes[parts.of_node[:owned], None]
         sums = parts.sums(np.hstack([forces, moments, np.abs(applied).sum(axis=1)[:, None]]))
         return Balances(sums[:, :3], sums[:, 3:6], sums[:, 6])
 

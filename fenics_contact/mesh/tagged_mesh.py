@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import basix
+import basix.ufl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,9 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.wording.suggestions import question
+
+# Of a cell's size: middle nodes that lie so little aside leave moments balanced to round-off.
+_STRAIGHT = 1e-10
 
 
 @dataclass(frozen=True)
@@ -195,6 +200,35 @@ class Body:
             raise InputError(
                 f"kinematics = 'axisymmetric': x is the radius, but {self.source} reaches down to "
                 f"x = {least:g}; it must be ≥ 0"
+            )
+
+    def require_straight(self) -> None:
+        """Refuse cells that are curved, for displacements of degree 1; collective.
+
+        A rigid rotation ω × x is linear in x. Shape functions of degree 1 hold it where x follows
+        from the corners of the cell by the same functions, and nowhere else: then the stiffness
+        resists the rotation, as a spring to the ground would, and takes up a part of every moment.
+
+        Raises:
+            InputError: Some of the cells are.
+        """
+        domain = self.mesh.ufl_domain()
+        order = int(domain.ufl_coordinate_element().degree)
+        cell = self.mesh.topology.cell_name()
+        corners = basix.ufl.element("Lagrange", cell, 1)
+        nodes = basix.ufl.element("Lagrange", cell, order).basix_element.points
+        x = self.mesh.geometry.x[compat.geometry_nodes(self.mesh)]
+        straight = np.einsum("nc,kcd->knd", corners.tabulate(0, nodes)[0], x[:, : corners.dim])
+        aside = np.linalg.norm(x - straight, axis=2).max(axis=1, initial=0.0)
+        round_off = 8 * np.finfo(float).eps * np.abs(x).max(initial=0.0)
+        sizes = np.ptp(x, axis=1).max(axis=1, initial=0.0)
+        bend = largest(self.mesh.comm, np.where(aside > round_off, aside, 0.0) / sizes)
+        if bend > _STRAIGHT:
+            raise InputError(
+                f"discretisation.degree = 1: cells of {self.source} are curved (their middle nodes "
+                f"lie up to {bend:.2g} of a cell's size beside those of straight cells); with "
+                "degree 1 these cannot turn without strain, and would take up a part of each "
+                "moment; write discretisation.degree = 2, or make cells of order 1 (mesh.order = 1)"
             )
 
     def entities(self, group: Group) -> NDArray[np.int32]:

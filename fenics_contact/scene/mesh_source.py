@@ -39,7 +39,12 @@ class MeshSource:
         Field(description="shape of the cells made from a geometry"),
     ] = "as meshed"
     order: Annotated[
-        Integer, Field(ge=1, le=2, description="order of the cells' geometry made from a geometry")
+        Integer,
+        Field(
+            ge=1,
+            le=2,
+            description="order of the cells' geometry made from a geometry: 2 follows round sides",
+        ),
     ] = 1
     size: Annotated[
         Positive | None,

@@ -51,7 +51,12 @@ class Discretisation:
     """The finite element space."""
 
     degree: Annotated[
-        Integer, Field(ge=1, le=2, description="degree of the Lagrange displacements")
+        Integer,
+        Field(
+            ge=1,
+            le=2,
+            description="degree of the Lagrange displacements; 1 only where cells are not curved",
+        ),
     ] = 2
 
 

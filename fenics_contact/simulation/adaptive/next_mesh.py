@@ -97,7 +97,10 @@ def next_mesh(scene: Scene, problem: Problem, wish: Wish, is_own: bool) -> Body:
         return refined(body, marked[0] if marked else None)
     fields: list[SizeField] = []  # stay on rank 0
     on_root(comm, lambda: fields.extend(_fields(*found())))
-    return load_body(scene.mesh, scene.dimension, comm, fields, curved=True, preloads=scene.preload)
+    curved = scene.discretisation.degree > 1
+    return load_body(
+        scene.mesh, scene.dimension, comm, fields, curved=curved, preloads=scene.preload
+    )
 
 
 def _is_meshed_again(scene: Scene, is_own: bool) -> bool:
