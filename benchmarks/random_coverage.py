@@ -55,7 +55,7 @@ def against_statics(rows: Iterable[Row]) -> list[str]:
         must = row.get("must_be", "")
         refused = row["code"] in (2, 3)
         if row["stage"] == "coarse" and (
-            (must == "refused" and not refused) or (must == "answered" and refused)
+            (must == "refused" and row["code"] == 0) or (must in ("answered", "seen") and refused)
         ):
             found.append(f"{_name(row)}: must be {must}, ended with {row['code']}: {row['words']}")
     return found

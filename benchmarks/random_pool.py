@@ -72,6 +72,7 @@ class Pool:
         rows: File that workers add lines to.
         folder: For files of the workers.
         seed: Of all scenes.
+        kinds: Of scenes, all where there are none.
         seconds: After which a solve hangs.
         slots: Processes at once.
         tell: Called with each new row.
@@ -80,6 +81,7 @@ class Pool:
     rows: Path
     folder: Path
     seed: int
+    kinds: tuple[str, ...]
     seconds: float
     slots: int
     tell: Callable[[dict[str, Any]], None]
@@ -121,6 +123,7 @@ class Pool:
         now, log = name.with_suffix(".now"), name.with_suffix(".log")
         content = {
             "seed": self.seed,
+            "kinds": self.kinds,
             "numbers": job.numbers,
             "stages": job.stages,
             "done": sorted(job.done),
@@ -152,11 +155,12 @@ class Pool:
         """What a worker that ended too early did not do; what it was at is told."""
         if worker.process.returncode == 0:
             return []
-        words = worker.log.read_text(encoding="utf-8", errors="replace")[-3000:]
+        printed = worker.log.read_text(encoding="utf-8", errors="replace")
+        words = printed[-3000:]
         at = worker.under_way()
         if at is None:
             raise RuntimeError(f"a worker ended before its first scene:\n{words}")
-        hung = worker.ended or "Timeout (" in words
+        hung = worker.ended or "Timeout (" in printed
         row = {
             "number": at[0],
             "ranks": worker.job.ranks,

@@ -1,6 +1,7 @@
 """Scenes at random: how many are solved, refused, not trusted; how far their error bars cover.
 
-``python benchmarks/random_scenes.py [--number 500] [--first 0] [--seed 9] [--only N …] [--refine]
+``python benchmarks/random_scenes.py [--number 500] [--first 0] [--seed 9] [--only N …]
+[--kinds KIND …] [--refine]
 [--ranks 1,2] [--jobs N] [--seconds 120] [--out FILE]``
 
 Not under ``mpirun``: it starts workers (``random_worker.py``) on one and on several ranks, which
@@ -8,8 +9,9 @@ solve many scenes each and are replaced when they crash or hang. Every solve is 
 interrupted run (Ctrl-C) goes on where it stopped when it is started again with the same FILE.
 ``--refine`` solves each answered scene again with cells of half the size, and where bars are too
 short, in plane models, on a third mesh; ``--table docs/error_bars.md`` writes there what bars
-cover. ``--only N`` solves the scene of this number alone. Scenes of a number and seed stay the same
-with the same sources (those of ``tests.random.scenes``, one in four: and the same hypothesis).
+cover. ``--only N`` solves the scene of this number alone, ``--kinds`` draws
+scenes of these kinds in turn (``tests.random.kinds.KINDS``). Scenes of a number and seed stay the
+same with the same sources (those of ``tests.random.scenes``, one in four: and the same hypothesis).
 """
 
 from __future__ import annotations
@@ -36,6 +38,7 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=0, help="number of the first one")
     parser.add_argument("--only", type=int, nargs="+", metavar="N", help="scenes of these numbers")
     parser.add_argument("--seed", type=int, default=9)
+    parser.add_argument("--kinds", nargs="+", default=(), metavar="KIND")
     parser.add_argument("--refine", action="store_true", help="solve again with cells of half")
     parser.add_argument("--ranks", default="1", metavar="1,2", help="solve on each of these")
     parser.add_argument("--jobs", type=int, default=1, help="processes at once")
@@ -53,9 +56,11 @@ def main() -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with tempfile.TemporaryDirectory() as folder:
         path = options.out or Path(folder) / "rows.jsonl"
-        if not begin(path, options.seed):
+        drawn = {"seed": options.seed, "kinds": list(options.kinds)}
+        if not begin(path, drawn):
             return 2
-        pool = Pool(path, Path(folder), options.seed, options.seconds, options.jobs, say)
+        kinds, places = tuple(options.kinds), (path, Path(folder))
+        pool = Pool(*places, options.seed, kinds, options.seconds, options.jobs, say)
         stopped = False
         try:
             pool.run(jobs(read(path), numbers, ranks, options.refine))
@@ -74,19 +79,19 @@ def write_section(path: Path, text: str) -> None:
     path.write_text(before.split(HEADING)[0].rstrip() + f"\n\n{text}\n", encoding="utf-8")
 
 
-def begin(path: Path, seed: int) -> bool:
+def begin(path: Path, drawn: dict[str, Any]) -> bool:
     """Make the file, or get it ready to go on with; False, with a sentence, if it is of another."""
     if not path.exists() or not path.read_text(encoding="utf-8").strip():
-        path.write_text(json.dumps({"seed": seed}) + "\n", encoding="utf-8")
+        path.write_text(json.dumps(drawn) + "\n", encoding="utf-8")
         return True
     text = path.read_text(encoding="utf-8")
     whole = text[: text.rfind("\n") + 1]
     if whole != text:  # cut off while it was written
         path.write_text(whole, encoding="utf-8")
-    found = json.loads(whole.splitlines()[0]).get("seed")
-    if found != seed:
-        print(f"{path} holds scenes of seed {found}, not {seed}: name another file with --out")
-    return bool(found == seed)
+    found = {"kinds": []} | json.loads(whole.splitlines()[0])
+    if found != drawn:
+        print(f"{path} holds scenes of {found}, not {drawn}: name another file with --out")
+    return bool(found == drawn)
 
 
 def read(path: Path) -> list[dict[str, Any]]:

@@ -45,10 +45,15 @@ def failures(rows: list[Row]) -> list[str]:
         f"{row['number']} ({row['kind']}), {row['ranks']} ranks, {row['stage']}: "
         f"{NAMES[row['code']]}"
         for row in rows
-        if row["code"] in (-1, -2, 4) or not row.get("finite", True)
+        if row["code"] in (-1, -2) or _is_not_trusted(row) or not row.get("finite", True)
     ]
     found += against_statics(rows) + rank_differences(rows)
     return found + [f"wrong and passed: {words(change)}" for change in wrong(rows, listed=False)]
+
+
+def _is_not_trusted(row: Row) -> bool:
+    """Whether a failed check ends what should have been answered."""
+    return row["code"] == 4 and row.get("must_be") not in ("refused", "seen")
 
 
 def wrong(rows: list[Row], listed: bool) -> list[Change]:

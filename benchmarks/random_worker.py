@@ -1,9 +1,9 @@
 """Solves scenes of a list and adds a line for each to a file; started by ``random_scenes.py``.
 
 ``python random_worker.py JOB``, also under ``mpirun -n N``. JOB is a JSON file: ``seed``,
-``numbers``, ``stages`` (``coarse``, ``twin``, ``fine``, ``finest``), ``done`` (pairs of number and
-stage that are left out), ``rows`` (where lines are added), ``now`` (which solve is under way) and
-``seconds`` (after which a solve hangs).
+``kinds``, ``numbers``, ``stages`` (``coarse``, ``twin``, ``fine``, ``finest``), ``done`` (pairs of
+number and stage that are left out), ``rows`` (where lines are added), ``now`` (which solve is under
+way) and ``seconds`` (after which a solve hangs).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def work(job: dict[str, Any]) -> None:
     """All scenes of a job; collective."""
     done = {tuple(pair) for pair in job["done"]}
     for number in job["numbers"]:
-        random = COMM.bcast(draw_any(job["seed"], number) if COMM.rank == 0 else None)
+        random = COMM.bcast(_drawn(job, number) if COMM.rank == 0 else None)
         for stage in job["stages"]:
             scene = of_stage(random, stage)
             if scene is None or (number, stage) in done:
@@ -57,6 +57,10 @@ def work(job: dict[str, Any]) -> None:
             row = solved(scene, given, job, solve)
             if stage == "coarse" and row["code"] != ANSWERED:
                 break
+
+
+def _drawn(job: dict[str, Any], number: int) -> RandomScene:
+    return draw_any(job["seed"], number, job["kinds"])
 
 
 def of_stage(random: RandomScene, stage: str) -> RandomScene | None:

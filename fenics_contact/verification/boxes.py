@@ -32,6 +32,7 @@ def boxes(
     comm: MPI.Comm = COMM,
     order: int = 1,
     welded: Sequence[Sequence[str]] = (),
+    closed: Sequence[str] = (),
 ) -> Body:
     """Boxes as one mesh; groups such as ``upper`` and ``upper.y0``.
 
@@ -41,6 +42,8 @@ def boxes(
         comm: Communicator; collective.
         order: Of the cells' geometry.
         welded: Names of boxes that share the nodes that lie in the same place; others are apart.
+        closed: Names of boxes whose two ends along the first axis are one: a map of their points
+            makes rings of them.
     """
     dimension = len(parts[0].cells)
     points: list[Array] = []
@@ -57,11 +60,14 @@ def boxes(
         points.append(where[:, :dimension])
         owner.append(np.full(len(cells[-1]), number + 1, dtype=np.int32))
     places, corners = np.concatenate(points), np.concatenate(cells).astype(np.int64)
-    if welded:
+    if welded or closed:
         names = [next((n for n in welded if part.name in n), [part.name])[0] for part in parts]
         of_part = [sorted(set(names)).index(name) for name in names]
         body = np.repeat(of_part, [len(part) for part in points])
         keys = np.column_stack([places.round(9), body])
+        for part, number in zip(parts, of_part, strict=True):
+            if part.name in closed:
+                keys[(body == number) & np.isclose(keys[:, 0], part.high[0]), 0] = part.low[0]
         _, kept, new = np.unique(keys, axis=0, return_index=True, return_inverse=True)
         places, corners = places[kept], new.reshape(-1)[corners]
     given = slice(0) if comm.rank else slice(None)

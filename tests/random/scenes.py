@@ -58,9 +58,11 @@ class RandomScene:
         shape: What is made of the boxes: a map of points, (points, axes) to (points, axes).
         kind: Of scene, in a word.
         known: What statics or a formula say of the answer.
-        must_be: ``answered`` or ``refused``, where statics say so.
+        must_be: ``answered`` or ``refused``, where statics say so; ``seen`` where the cells may be
+            too coarse for an answer (exit code 4), but not for a message.
         twin: Another scene with the same answer.
         polygon: Boxes of coarser cells, of which those of these boxes are pieces.
+        closed: Names of boxes that the map closes to rings.
     """
 
     scene: Scene
@@ -73,10 +75,11 @@ class RandomScene:
     must_be: str = ""
     twin: Twin | None = None
     polygon: tuple[Box, ...] = ()
+    closed: tuple[str, ...] = ()
 
     def body(self, comm: MPI.Comm = MPI.COMM_WORLD) -> Body:
         """Its mesh, with the sides of each box named ``box.x0``, ``box.x1``, …; collective."""
-        made = boxes(self.parts, self.cell, comm, self.order)
+        made = boxes(self.parts, self.cell, comm, self.order, closed=self.closed)
         places, dimension = made.mesh.geometry.x, self.scene.dimension
         found = self.shape(places[:, :dimension])
         for part in self.polygon:

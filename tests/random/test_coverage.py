@@ -231,8 +231,8 @@ def pool(tmp_path, monkeypatch):
     monkeypatch.setattr(random_pool, "WORKER", stub)
     monkeypatch.setattr(random_pool, "_GRACE", 0.0)
     path, told = tmp_path / "rows.jsonl", []
-    assert begin(path, seed=1)
-    return random_pool.Pool(path, tmp_path, 1, 0.5, 1, told.append), told
+    assert begin(path, {"seed": 1, "kinds": []})
+    return random_pool.Pool(path, tmp_path, 1, (), 0.5, 1, told.append), told
 
 
 def test_crashes_and_hangs_are_rows_and_the_others_go_on(pool):
@@ -254,7 +254,7 @@ def test_it_goes_on_where_it_was_interrupted(pool):
         pool.run(jobs(read(pool.rows), [1], [1], refine=False))
     with pool.rows.open("a") as file:
         file.write('{"number": 7, "ran')  # as if ended while a line was written
-    assert begin(pool.rows, seed=1)
+    assert begin(pool.rows, {"seed": 1, "kinds": []})
     assert [row["number"] for row in read(pool.rows)] == [1]
     pool.tell = told.append
     pool.run(jobs(read(pool.rows), [1, 4, 5], [1], refine=False))
@@ -264,7 +264,7 @@ def test_it_goes_on_where_it_was_interrupted(pool):
 
 def test_a_file_of_another_seed_is_not_mixed_with_this_one(pool, capsys):
     pool, _ = pool
-    assert not begin(pool.rows, seed=2)
+    assert not begin(pool.rows, {"seed": 2, "kinds": []})
     assert "seed 1, not 2" in capsys.readouterr().out
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 from tests.random.dice import SeededDice
 from tests.random.kinds.anisotropic import anisotropic
@@ -17,8 +18,13 @@ from tests.random.kinds.frictionless import frictionless
 from tests.random.kinds.half_spaces import half_space
 from tests.random.kinds.inclines import incline
 from tests.random.kinds.layers import layers
+from tests.random.kinds.quarters import quarter
+from tests.random.kinds.rollers import bearing
+from tests.random.kinds.small_obstacles import small_obstacle
 from tests.random.kinds.stacks import stack
 from tests.random.kinds.symmetric import symmetric
+from tests.random.kinds.thin import thin
+from tests.random.kinds.torques import torque
 from tests.random.scenes import RandomScene, draw
 
 KINDS = {
@@ -35,17 +41,25 @@ KINDS = {
     "order 2": curved,
     "cycles": cycle,
     "frictionless": frictionless,
+    "torque": torque,
+    "small obstacle": small_obstacle,
+    "thin": thin,
+    "bearing": bearing,
+    "quarter": quarter,
 }
 _OTHERS = 4  # one scene in so many is of the kinds of tests.random.scenes
 
 
-def draw_any(seed: int, number: int) -> RandomScene:
+def draw_any(seed: int, number: int, kinds: Sequence[str] = ()) -> RandomScene:
     """The scene of a number: of all kinds in turn.
 
     Args:
         seed: Of all.
         number: Of this one.
+        kinds: Of which it is, in turn; by default of all, and of those of ``tests.random.scenes``.
     """
+    if kinds:
+        return with_errors(draw_kind(kinds[number % len(kinds)], seed, number))
     if number % _OTHERS == _OTHERS - 1:
         return with_errors(draw(seed, number))
     turn = number - number // _OTHERS

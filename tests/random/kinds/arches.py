@@ -3,30 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 
 import numpy as np
 
 from fenics_contact import Contact, Load, Material
 from fenics_contact.verification.boxes import Box
 from tests.random.dice import Dice, short
-from tests.random.kinds.common import PLANE, Array, held, made, modulus_of, size_of
+from tests.random.kinds.common import PLANE, Ring, held, made, modulus_of, size_of
 from tests.random.scenes import Known, RandomScene
-
-
-@dataclass(frozen=True)
-class Ring:
-    """Boxes of angles (from the vertical) and radii as pieces of a ring.
-
-    Attributes:
-        length: Scale.
-    """
-
-    length: float = 1.0
-
-    def __call__(self, points: Array) -> Array:
-        angle, radius = points.T
-        return self.length * np.stack([radius * np.sin(angle), radius * np.cos(angle)], axis=1)
 
 
 def arch(dice: Dice) -> RandomScene:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact import Discretisation, Material, Point, Scene, SolverSettings, Support
+from fenics_contact import Discretisation, Material, Point, Scene, Support
 from fenics_contact.verification.boxes import Box
 from tests.random.dice import Dice
 from tests.random.scenes import Known, RandomScene, Twin
@@ -76,6 +76,22 @@ class Turned:
         return matrix
 
 
+@dataclass(frozen=True)
+class Ring:
+    """Boxes of angles (from the vertical) and radii as pieces of a ring; a third axis stays.
+
+    Attributes:
+        length: Scale.
+    """
+
+    length: float = 1.0
+
+    def __call__(self, points: Array) -> Array:
+        angle, radius, *others = points.T
+        places = [radius * np.sin(angle), radius * np.cos(angle), *others]
+        return self.length * np.stack(places, axis=1)
+
+
 def size_of(dice: Dice) -> float:
     """Scale of lengths: mostly 1."""
     return dice.logarithmic(1e-3, 1e3) if dice.chance(25) else 1.0
@@ -119,6 +135,7 @@ def made(
     known: tuple[Known, ...] = (),
     must_be: str = "",
     twin: Twin | None = None,
+    closed: tuple[str, ...] = (),
     **scene: Any,
 ) -> RandomScene:
     """A scene of boxes.
@@ -129,23 +146,26 @@ def made(
         parts: Boxes of cells.
         shape: Where their points go.
         known: What is known of the answer.
-        must_be: ``answered``, ``refused`` or nothing.
+        must_be: ``answered``, ``refused``, ``seen`` or nothing.
         twin: Another scene with the same answer.
+        closed: Names of boxes that the map closes to rings.
         scene: Keys of the scene.
     """
     found = Scene(
         kinematics=elements.kinematics, discretisation=Discretisation(elements.degree), **scene
     )
     return RandomScene(
-        found, parts, elements.cell, elements.order, shape, kind, known, must_be, twin
+        found, parts, elements.cell, elements.order, shape, kind, known, must_be, twin, (), closed
     )
 
 
 def completed(dice: Dice, random: RandomScene) -> RandomScene:
     """With a solver, mostly the automatic one, and now and then a point whose way is asked for."""
     solvers = ["auto", "auto", "auto", "condensed", "full"]
-    settings = SolverSettings(
-        solver=dice.of(*solvers), strategy=dice.of(*["auto"] * 8, "lagged", "monolithic")
+    settings = dataclasses.replace(
+        random.scene.solver,
+        solver=dice.of(*solvers),
+        strategy=dice.of(*["auto"] * 8, "lagged", "monolithic"),
     )
     points = (_inside(random),) if dice.chance(40) else ()
     scene = dataclasses.replace(random.scene, solver=settings, point=points)
