@@ -265,7 +265,7 @@ def test_it_goes_on_where_it_was_interrupted(pool):
 def test_a_file_of_another_seed_is_not_mixed_with_this_one(pool, capsys):
     pool, _ = pool
     assert not begin(pool.rows, {"seed": 2, "kinds": []})
-    assert "seed 1, not 2" in capsys.readouterr().out
+    assert "'seed': 1}, not {'seed': 2" in capsys.readouterr().out
 
 
 def test_what_is_open_is_solved(pool):

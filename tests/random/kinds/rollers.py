@@ -14,7 +14,7 @@ from tests.random.kinds.common import Array, Elements, held, made, material_of, 
 from tests.random.scenes import RandomScene
 
 ELEMENTS = (
-    Elements("plane strain", "quadrilateral", 1),
+    Elements("plane strain", "quadrilateral", 2),
     Elements("plane strain", "quadrilateral", 2, order=2),
 )
 # Radii of roller number n are drawn at 10 (n + 1) more.
@@ -47,7 +47,7 @@ class Bearing:
 
 def bearing(dice: Dice) -> RandomScene:
     """Held outside, and loaded inside; the rollers are held by contact and friction alone."""
-    elements, length, number = dice.of(*ELEMENTS), size_of(dice), dice.of(6, 8, 8, 10)
+    elements, length, number = dice.of(*ELEMENTS), size_of(dice), dice.of(4, 6, 8, 8)
     material = material_of(dice)
     roller = 0.7 * sin(pi / number) / (1 - 0.7 * sin(pi / number))  # inner ring of radius 1
     cells = (dice.whole(14, 18), 2)
