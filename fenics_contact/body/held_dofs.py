@@ -8,9 +8,10 @@ import numpy as np
 
 from fenics_contact.body.description import BodyDescription, HeldGroup
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import largest, smallest, total
+from fenics_contact.common.parallel import largest, of_every_rank, smallest, total
 from fenics_contact.scene.values import AXES
 
 # A plane of symmetry is flat to this share of the body's size.
@@ -53,6 +54,7 @@ class HeldDofs:
         by_supports: In scene order.
         by_symmetry: By planes of symmetry, and the axis of revolution where it is reached.
         planes: The planes of symmetry; the axis of revolution is none.
+        walls: Axis and coordinate of the flat sides that supports hold across, each once.
         dofs: Every held dof once, sorted (local indices, owned and ghost).
 
     Raises:
@@ -63,6 +65,7 @@ class HeldDofs:
         self._spaces = spaces
         self.by_supports = [self._group(i, held) for i, held in enumerate(description.held)]
         planes = [self._plane(on, f"symmetry[{i}]") for i, on in enumerate(description.symmetry)]
+        self.walls = self._walls(description)
         self.by_symmetry = [self._of_plane(plane) for plane in planes]
         self.planes = list({(plane.axis, round(plane.at, 9)): plane for plane in planes}.values())
         if spaces.kinematics == "axisymmetric":
@@ -103,6 +106,29 @@ class HeldDofs:
         nodes = spaces.nodes(spaces.body.group(held.on, f"support[{number}].on"))
         axes = np.array([AXES.index(axis) for axis in held.axes])
         return Held(held.on, (nodes.astype(np.int64) * spaces.components + axes[:, None]).ravel())
+
+    def _walls(self, description: BodyDescription) -> list[tuple[int, float]]:
+        """Planes across an axis in which facets lie that supports hold along this axis.
+
+        For a contact surface that ends in it, such a plane is what one of symmetry is.
+        """
+        spaces = self._spaces
+        mesh, size = spaces.body.mesh, spaces.size
+        found: dict[tuple[int, float], float] = {}
+        for number, held in enumerate(description.held):
+            group = spaces.body.group(held.on, f"support[{number}].on")
+            if group.dimension != mesh.topology.dim - 1:
+                continue
+            nodes = compat.nodes_of_entities(mesh, group.dimension, spaces.body.entities(group))
+            places = mesh.geometry.x[nodes]
+            lowest = places.min(axis=1, initial=np.inf)
+            extents = places.max(axis=1, initial=-np.inf) - lowest
+            for axis in map(AXES.index, held.axes):
+                at = np.unique(lowest[extents[:, axis] <= _FLAT * size, axis])
+                found |= {(axis, round(float(one) / size, 9)): float(one) for one in at}
+        for other in of_every_rank(spaces.comm, found):
+            found = other | found
+        return sorted((axis, at) for (axis, _), at in found.items())
 
     def _plane(self, on: str, key: str) -> SymmetryPlane:
         spaces = self._spaces

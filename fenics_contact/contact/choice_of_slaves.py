@@ -56,6 +56,7 @@ class NamedSurfaces:
         key: Where the scene names them, for messages.
         spaces: Those of the body.
         flat_sides: Axis and coordinate of planes of symmetry.
+        walls: The same of flat sides that supports hold.
 
     Raises:
         InputError: A surface is not on the boundary.
@@ -67,8 +68,10 @@ class NamedSurfaces:
         key: str,
         spaces: Spaces,
         flat_sides: list[tuple[int, float]],
+        walls: list[tuple[int, float]],
     ) -> None:
-        self._spaces, self._key, self._flat_sides = spaces, key, flat_sides
+        self._spaces, self._key = spaces, key
+        self._flat_sides, self._walls = flat_sides, walls
         self.wanted = contact.slave
         self.on = self._surface("on", contact.on)
         self.against: Surface | None = None
@@ -81,7 +84,7 @@ class NamedSurfaces:
             raise InputError(
                 f"{self._key}.{side} = '{name}': no facet of it is on the boundary of the body"
             )
-        return Surface(name, group, Trace(self._spaces, group, self._flat_sides))
+        return Surface(name, group, Trace(self._spaces, group, self._flat_sides, self._walls))
 
     def compare(self) -> tuple[bool, str]:
         """Whether ``on`` is the better slave, by what covers what and by sizes of facets, and why.

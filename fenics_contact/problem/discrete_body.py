@@ -60,7 +60,9 @@ class DiscreteBody:
         self.is_kept = False
         self.found: dict[str, Any] = {}
         named = [
-            NamedSurfaces(contact, f"contact[{number}]", self.spaces, self.held.flat_sides)
+            NamedSurfaces(
+                contact, f"contact[{number}]", self.spaces, self.held.flat_sides, self.held.walls
+            )
             for number, contact in enumerate(description.contacts)
         ]
         self.sides = [

@@ -25,6 +25,7 @@ class SurfaceSupports:
         movable: Nodes that can move along such a one. A support at an angle to the surface
             counts for all of a node, since its reaction has a part in every direction.
         free_across: Nodes on which no support acts along the surface's normal.
+        free_normals: Of each node's normal the components that nothing holds, (nodes, components).
         held_across: Points that supports hold along the normal, (points,).
     """
 
@@ -34,12 +35,14 @@ class SurfaceSupports:
         held = np.zeros(len(trace.spaces.coordinates) * components, dtype=bool)
         held[constrained] = True
         self._held = held.reshape(-1, components)[trace.nodes]
-        squares = trace.normals[: len(trace.nodes)] ** 2
+        normals = trace.normals[: len(trace.nodes)]
+        squares = normals**2
         along = self._held & (1 - squares > _NONE)
         oblique = (along & (squares > _NONE)).any(axis=1)
         self.free_along = ~along
         self.movable = (along.sum(axis=1) < components - 1) & ~oblique
         self.free_across = ~(self._held & (squares > _NONE)).any(axis=1)
+        self.free_normals = np.where(self._held, 0.0, normals)
         self.held_across = np.zeros(len(trace.normals), dtype=bool)
         self.held_across[: len(trace.nodes)] = (squares * ~self._held).sum(axis=1) <= _NONE
 

@@ -44,13 +44,17 @@ class Trace:
         normals: Outward unit normals, single-valued at shared nodes, (points, components).
         normals_at_nodes: Those of the surface itself, at all of its nodes.
         averaged: From which these are: those of the facets around each node, and their mean.
-        symmetry: The planes of symmetry that it meets.
+        symmetry: The planes of symmetry, and the walls, that it meets.
         area: Of the surface.
         owned: Which points this rank counts.
     """
 
     def __init__(
-        self, spaces: Spaces, group: Group, flat_sides: Sequence[tuple[int, float]] = ()
+        self,
+        spaces: Spaces,
+        group: Group,
+        flat_sides: Sequence[tuple[int, float]] = (),
+        walls: Sequence[tuple[int, float]] = (),
     ) -> None:
         self.spaces = spaces
         self.group = group
@@ -60,8 +64,9 @@ class Trace:
         self.weight: Expr | float = point_weight(self.surface)
         weights = self._areas(node_form(self.surface, self.weight, self._nodal_measure))
         self.averaged = NodalNormals(self.surface, group)
-        self.symmetry = SurfaceSymmetry(self.surface, flat_sides)
-        normals = self.symmetry.mirrored(self.averaged.normals)
+        averaged = self.averaged.normals
+        self.symmetry = SurfaceSymmetry(self.surface, flat_sides, walls, averaged)
+        normals = self.symmetry.mirrored(averaged)
         heaviest = largest(spaces.comm, weights)
         # A point on the axis of revolution stands for no area.
         self.numbers = np.flatnonzero(weights > 1e-12 * heaviest)

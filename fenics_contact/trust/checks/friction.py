@@ -30,10 +30,12 @@ def recovered_friction(forces: NeededForces, number: int) -> Array:
         K u − f, tangential, shape (nodes, components) (force), less what other contacts
         give to a shared node. On curved facets whose points lie between nodes, pressure is
         along the points' normals, and a part of it along the nodes' surface: less that, too.
+        Components that supports hold along the surface are left out first: a reaction there would
+        count as friction along the others, by the part that the normal has in it.
     """
     contact = forces.problem.contacts[number]
-    pressed = forces.solution.normal_force[number]
-    return contact.kinematics.tangential(forces.at_contact(number) - pressed)
+    needed = forces.at_contact(number) - forces.solution.normal_force[number]
+    return contact.kinematics.tangential(np.where(contact.supports.free_along, needed, 0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,8 @@ from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, nearer_to_failing, worst_of
 
+# Of a normal's square the share along components that no support holds, for nodes to be compared.
+_LEAST_FREE = 0.5
 # A penalty that holds this share of the elastic energy changes contact forces by about as much.
 _LARGEST_PENETRATION = 2e-3
 # Penalty pressure against that from reactions, over √(facet size / contact size), by degree:
@@ -26,14 +28,19 @@ _LARGEST_RECOVERY = 0.8
 
 @dataclass(frozen=True, eq=False)
 class ComparedPressures:
-    """What the bulk needs at the nodes of a contact, where no support acts across it.
+    """What the bulk needs at the nodes of a contact, in the components that no support holds.
+
+    In the others what it needs is also a reaction, of which any part along the normal would count
+    as pressure. So forces are compared along what is left of the normal without these components.
+    Left out are nodes where that is less than half of it.
 
     Attributes:
         number: Of the contact, in scene order.
         contact: It pushes.
         state: What happens at its points.
-        bulk: Normal force on the body over area: a pressure (stress). Less that of friction,
-            which on curved facets with points between nodes is not all along the nodes' surface.
+        bulk: Normal force on the body over area, by its free components: a pressure (stress).
+            Less that of friction, which on curved facets with points between nodes is not all
+            along the nodes' surface.
         law: The same from penalty or foundation (stress).
         gap: At the nodes (length).
         places: Undeformed coordinates of these, (nodes, 3) (length).
@@ -73,24 +80,26 @@ def compared_pressures(forces: NeededForces) -> list[ComparedPressures]:
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
         if not contact.is_one_sided:
             continue
-        free = contact.owned_nodes & contact.supports.free_across
+        normals = contact.supports.free_normals
+        shares = np.einsum("ij,ij->i", normals, normals)
+        free = contact.owned_nodes & (shares > _LEAST_FREE)
         peak = largest(comm, state.contact_pressure)
         if total(comm, free.sum()) == 0 or peak <= 0:
             continue
         trace = contact.trace
         area = trace.to_nodes(trace.weights)
-        normals = trace.normals[: len(contact.nodes)]
+        along = normals[free] / (shares * area)[free, None]
         needed = forces.at_contact(number) - solution.friction_force[number]
-        bulk = -np.einsum("ij,ij->i", needed, normals) / area
-        law = -np.einsum("ij,ij->i", solution.normal_force[number], normals) / area
-        lightest = smallest(comm, area[free])
+        bulk = -np.einsum("ij,ij->i", needed[free], along)
+        law = -np.einsum("ij,ij->i", solution.normal_force[number][free], along)
+        lightest = smallest(comm, (np.sqrt(shares) * area)[free])
         found.append(
             ComparedPressures(
                 number=number,
                 contact=contact,
                 state=state,
-                bulk=bulk[free],
-                law=law[free],
+                bulk=bulk,
+                law=law,
                 gap=state.gap[: len(contact.nodes)][free],
                 places=trace.coordinates[: len(contact.nodes)][free],
                 limit=TRACE + 2 * solution.imbalance_limit / (lightest * peak),
