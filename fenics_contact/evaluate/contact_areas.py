@@ -168,7 +168,8 @@ def _counted(contact: ContactSurface, zone: Zone) -> Array:
 def _parts_inside(contact: ContactSurface, zone: Zone, chosen: Integers) -> Array:
     """Weighted areas of the parts of segments or triangles that lie in the zone."""
     pieces = contact.trace.pieces
-    points, corners, weights = (a[chosen] for a in (pieces.points, pieces.corners, pieces.weights))
+    points = pieces.points[chosen]
+    corners, weights = pieces.corners[chosen], pieces.weights[chosen]
     inside, rows, count = zone.inside[points], np.arange(len(chosen)), points.shape[1]
     alone = inside.sum(axis=1) == 1  # one corner is inside, else one is outside
     corner = np.where(alone[:, None], inside, ~inside).argmax(axis=1)

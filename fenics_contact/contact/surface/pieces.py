@@ -23,7 +23,8 @@ class SurfacePieces:
             revolution, which is none, is given its neighbour.
         corners: Coordinates, (pieces, corners, 3) (length).
         areas: Length or area of each, (pieces,).
-        weights: Factor of the integral at the corners (2πr where axisymmetric), (pieces, corners).
+        weights: Factor of integrals at the corners (2πr where axisymmetric, else a thickness or 1),
+            (pieces, corners).
         measures: Areas times the mean of these, (pieces,).
     """
 
@@ -39,9 +40,7 @@ class SurfacePieces:
             self.areas = np.linalg.norm(edges[:, 0], axis=1)
         else:
             self.areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-        radii = self.corners[:, :, 0]
-        axisymmetric = surface.spaces.kinematics == "axisymmetric"
-        self.weights = 2 * np.pi * radii if axisymmetric else np.ones_like(radii)
+        self.weights = surface.factors[nodes]
         self.measures = self.areas * self.weights.mean(axis=1)
 
 

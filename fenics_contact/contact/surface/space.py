@@ -40,7 +40,8 @@ class SurfaceSpace:
         coordinates: Nodes of this rank, owned then ghost, (nodes, 3) (length).
         body_nodes: The body's local number of each node.
         owned_nodes: How many of the nodes this rank owns.
-        weight: UFL factor of integrals (2πr where axisymmetric).
+        weight: UFL factor of integrals (2πr where axisymmetric, else a thickness or 1).
+        factors: The same at the nodes, (nodes,).
     """
 
     def __init__(self, spaces: Spaces, group: Group) -> None:
@@ -66,7 +67,12 @@ class SurfaceSpace:
         self._scalar_of_node[self.facet_nodes] = self.scalar_space.dofmap.list
         self.body_nodes = self._nodes_in_body()
         self.position = ufl.SpatialCoordinate(self.mesh)
-        self.weight = measure_weight(spaces.kinematics, self.position, self._thickness())
+        thickness = self._thickness()
+        self.factors = np.ones(len(self.coordinates)) if thickness is None else thickness
+        if spaces.kinematics == "axisymmetric":
+            self.factors = 2 * np.pi * self.coordinates[:, 0]
+        varying = None if thickness is None else self.coefficient(thickness)
+        self.weight = measure_weight(spaces.kinematics, self.position, varying)
 
     @cached_property
     def mass(self) -> CompiledForm:
@@ -157,12 +163,12 @@ class SurfaceSpace:
     def _farthest(self) -> float:
         return largest(self.comm, np.abs(self.coordinates).ravel())
 
-    def _thickness(self) -> Expr | None:
-        """The scene's thickness on the surface, or None."""
+    def _thickness(self) -> Array | None:
+        """The scene's thickness at the nodes, or None."""
         value = self.spaces.thickness
         if value is None:
             return None
-        return self.coefficient(self.spaces.evaluate_at(value, self.coordinates.T, "thickness"))
+        return self.spaces.evaluate_at(value, self.coordinates.T, "thickness")
 
     def measure(self, metadata: Rule | None = None) -> Measure:
         """Measure of the surface."""

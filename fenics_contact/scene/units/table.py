@@ -86,7 +86,7 @@ def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> 
     if units is not None:
         _require_mm_of_step_files(scene, units)
     conversion = _Conversion(units, per_unit_thickness)
-    for name, dimension in _dimensions(scene):
+    for name, dimension in dimensions(scene):
         value = getattr(scene, name)
         found = conversion.of(value, [name], dimension)
         if found is not value:
@@ -98,7 +98,7 @@ def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> 
 _DIMENSIONS: dict[type, list[tuple[str, Dimension | None]]] = {}
 
 
-def _dimensions(table: Any) -> list[tuple[str, Dimension | None]]:
+def dimensions(table: Any) -> list[tuple[str, Dimension | None]]:
     """Keys of a table of a scene, and what their numbers measure."""
     kind = type(table)
     if kind not in _DIMENSIONS:
@@ -166,7 +166,7 @@ class _Conversion:
             outer: What the key measures, for a profile in its place.
         """
         changes = {}
-        for name, dimension in _dimensions(table):
+        for name, dimension in dimensions(table):
             value = getattr(table, name)
             if type(value) in PLAIN:
                 continue

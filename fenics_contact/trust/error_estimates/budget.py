@@ -7,7 +7,7 @@ together is taken to be their sum.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -144,7 +144,9 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     notes += dict.fromkeys(why.values())
     if len(steps) > 1:  # what is measured is that of the last forces alone
         every = {key: row for key, row in rows.items() if isinstance(key, str)}
-        rows["external_work"] = _of_work(every, steps[-1]["quantities"].get("energy_defect"))
+        none = {source for source, errors in found.items() if errors == {}}
+        defect = steps[-1]["quantities"].get("energy_defect")
+        rows["external_work"] = _of_work(every, defect, none)
     budget = ErrorBudget.of_rows(rows, len(problem.contacts), len(problem.applied_supports))
     return replace(budget, notes=notes, unbounded=why, local=estimates.local)
 
@@ -163,19 +165,20 @@ def _sum(values: Sequence[float | None]) -> float | None:
     return sum(known) if len(known) == len(values) else None
 
 
-def _of_work(rows: Mapping[str, Row], defect: float | None) -> Row:
+def _of_work(rows: Mapping[str, Row], defect: float | None, none: Set[str]) -> Row:
     """Of the work along a path: it went into energies and friction, so it is as wrong as these.
 
     Args:
         rows: Of other quantities.
         defect: What the steps leave open of that balance; None without one, as with the static law,
             where only sources that are not there make no error.
+        none: These.
     """
     names = ("strain_energy", "penalty_energy", "friction_work", "elastic_slip_energy")
     parts = [rows[name] for name in names if name in rows]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
     if defect is None:
-        row = {source: 0.0 if error == 0 else None for source, error in row.items()}
+        row = {source: 0.0 if source in none else None for source in SOURCES}
     else:
         row["step"] = _sum([row["step"], abs(defect)])
     return row | {"total": _sum(list(row.values()))}

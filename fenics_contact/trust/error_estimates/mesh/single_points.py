@@ -76,10 +76,11 @@ def _local_depth(contact: ContactSurface, state: ContactState) -> float:
         return 0.0
     trace, spaces = contact.trace, contact.spaces
     closed = state.status != OPEN
-    widths = trace.weights if spaces.components == 2 else np.sqrt(trace.weights)
-    if spaces.kinematics == "axisymmetric":  # a ring of some width, on the axis a circle
-        rings = 2 * np.pi * np.abs(trace.coordinates[:, 0])
-        squares = np.sqrt(trace.weights)
-        widths = trace.weights / np.maximum(rings, squares)
+    widths = np.sqrt(trace.weights)
+    if spaces.components == 2:  # a strip as long as the body is thick; a ring of some width
+        lengths = np.abs(trace.surface.factors[trace.numbers])
+        if spaces.kinematics == "axisymmetric":  # on the axis a circle
+            lengths = np.maximum(lengths, widths)
+        widths = trace.weights / lengths
     depths = np.where(closed, state.contact_pressure * widths, 0.0)
     return largest(spaces.comm, depths) / contact.moduli.plane_strain

@@ -191,3 +191,17 @@ def test_shifts_do_not_depend_on_the_number_of_ranks():
     for name in ASKED:
         expected = alone.errors[name]["mesh"]
         assert together.errors[name]["mesh"] == pytest.approx(expected, rel=1e-5), name
+
+
+def test_bars_are_in_proportion_to_the_thickness():
+    """A thickness far from 1 moves no edge: it changes what is in total, and nothing else."""
+    scene, body = floor(6)
+    flat = with_solver(dataclasses.replace(scene, kinematics="plane stress"), errors="auto")
+    one = run(flat, COMM, body)
+    for thickness in (1 / 50, 50.0):
+        thick = run(dataclasses.replace(flat, thickness=thickness), COMM, body)
+        for name in ("friction_force", "friction_work", "contact_area", "stick_area"):
+            expected = thickness * one.errors[name]["total"]
+            assert thick.errors[name]["total"] == pytest.approx(expected, rel=1e-3), name
+        for name in ("max_slip", "displacement_corner"):
+            assert thick.errors[name]["total"] == pytest.approx(one.errors[name]["total"], rel=1e-3)
