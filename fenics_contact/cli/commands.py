@@ -16,7 +16,14 @@ from fenics_contact.cli.summary import print_model, print_result
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import petsc_options, program
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.failures import READER_LEFT, drop_output, explain, failing_together, say
+from fenics_contact.common.failures import (
+    READER_LEFT,
+    attempt,
+    drop_output,
+    explain,
+    failing_together,
+    say,
+)
 from fenics_contact.common.interrupts import Interrupts
 from fenics_contact.common.parallel import of_every_rank, on_root
 from fenics_contact.common.plain_text import one_line
@@ -164,7 +171,7 @@ def _solve_steps(
     with Interrupts() as interrupts:
         asked = interrupts.requested
         result = files.solve_and_write(prepared, folder, state, saved, asked, announce)
-    if result.converged:
+    if result.converged and not result.interrupted:
         state.finish(result.exit_code)
     return result
 
@@ -180,10 +187,10 @@ def _solve_levels(prepared: Run, folder: Path, resume: bool, announce: Announce 
 
 def _draw(folder: Path, quiet: bool) -> None:
     """Pictures after a run: the answer stands without them."""
-    try:
-        _report(folder, quiet)
-    except InputError as error:
-        logger.warning("no pictures: %s", error)
+    notes: list[str] = []
+    attempt(MPI.COMM_SELF, "no pictures", lambda: _report(folder, quiet), 0, notes)
+    for note in notes:
+        logger.warning("%s", note.removesuffix("."))
 
 
 def _asked_report(options: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""What went wrong, in words and as an exit code; and that no rank waits for one that failed.
+"""What went wrong, in words and as an exit code; no rank waits for it, and no answer is lost by it.
 
 Errors that all ranks raise together are Python's ordinary ones. One that hits a rank alone leaves
 the others in a collective call for ever, so it ends them all, with its message.
@@ -6,20 +6,33 @@ the others in a collective call for ever, so it ends them all, with its message.
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import sys
 import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from typing import TypeVar
 
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fenics_contact.common.errors import FenicsContactError, MachineError, StoppedError
+from fenics_contact.common.errors import (
+    FenicsContactError,
+    InputError,
+    MachineError,
+    NotConvergedError,
+    StoppedError,
+)
 from fenics_contact.common.form_cache import COMPILER_SAID
+from fenics_contact.common.parallel import of_every_rank
 from fenics_contact.common.plain_text import printable
+
+logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 # Seconds in which all ranks come to an error that they share.
 _PATIENCE = 4.0
@@ -29,7 +42,10 @@ BUG = 1
 READER_LEFT = 128 + signal.SIGPIPE  # as the shell has it
 _NO_MEMORY = 55  # PETSC_ERR_MEM
 _NO_MEMORY_SAID = "PETSc error code is: 55,"  # by dolfinx, in a plain RuntimeError
-_LONGEST = 200  # of what a compiler said
+_LONGEST = 200  # of what a compiler or a library said
+# Exit codes of what ends no run that has an answer: faults of the machine do, and who stops it.
+_KEPT = {BUG, InputError.exit_code, NotConvergedError.exit_code}
+_SOLVERS = "fenics_contact.solve"
 
 LESS_MEMORY = "use a coarser mesh, a lower degree, or more machines"
 
@@ -142,3 +158,77 @@ def _end_all(comm: MPI.Comm, error: BaseException) -> None:
     say(f"rank {comm.rank} of {comm.size} failed, and with it the run: {said}")
     comm.Abort(code)
     os._exit(code)  # some MPIs come back from it
+
+
+def attempt(
+    comm: MPI.Comm,
+    missing: str,
+    action: Callable[[], T],
+    instead: T,
+    notes: list[str],
+    expected: tuple[type[Exception], ...] = (),
+) -> T:
+    """Do something beside an answer that stands without it; collective.
+
+    A rank that fails alone, while others wait for it, still ends them all.
+
+    Args:
+        comm: Communicator of those that do it together.
+        missing: What there is not if it fails: ``The error by the mesh was not estimated``.
+        action: What is done; collective.
+        instead: Returned if it fails.
+        notes: To which that sentence is added, with the reason, once.
+        expected: Errors that are the caller's to catch.
+
+    Raises:
+        StoppedError: Somebody asked to stop.
+        MachineError: The machine failed, as do ``MemoryError`` and ``OSError``.
+
+    >>> notes = []
+    >>> attempt(MPI.COMM_SELF, "There is no mean", lambda: 1 / 0, None, notes)
+    >>> notes
+    ['There is no mean: a fault of the program (ZeroDivisionError: division by zero).']
+    """
+    try:
+        with failing_together(comm):
+            return action()
+    except expected:
+        raise
+    except Exception as error:  # of whatever kind: the answer is not to end with it
+        if not _KEPT.issuperset(of_every_rank(comm, explain(error)[0])):
+            raise
+        reason = of_every_rank(comm, reason_of(error))[0]
+        logger.debug("%s", missing, exc_info=error)
+        note = f"{missing}: {reason.rstrip('.')}."
+        if note not in notes:
+            notes.append(note)
+        return instead
+
+
+def reason_of(error: Exception) -> str:
+    """Why something failed, in a line.
+
+    Args:
+        error: As it was raised.
+    """
+    error = original(error)  # type: ignore[assignment]
+    said = " ".join(str(error).split())
+    if isinstance(error, FenicsContactError):
+        return said
+    return f"a fault of the program ({type(error).__name__}: {said[:_LONGEST]})"
+
+
+@contextmanager
+def silently() -> Iterator[None]:
+    """Say nothing of how solvers get on, unless all is told: it is not the answer's.
+
+    That a solve for an error bar took another way would read as if the answer had.
+    """
+    solvers = logging.getLogger(_SOLVERS)
+    before = solvers.level
+    if solvers.isEnabledFor(logging.INFO) and not solvers.isEnabledFor(logging.DEBUG):
+        solvers.setLevel(logging.WARNING)
+    try:
+        yield
+    finally:
+        solvers.setLevel(before)

@@ -175,6 +175,8 @@ def failure(name: str, check: Check) -> str:
     said = said.format(share=_share(check.value))
     if check.value != check.value:
         said = "its value is not a number"
+    if check.unmade:
+        said = f"it could not be made: {check.unmade}"
     return f"{name.replace('_', ' ')}: {said}{_where(check)}"
 
 

@@ -27,6 +27,7 @@ class Check:
         kind: Which of several comparisons it is, by its name in ``check_messages``.
         part: The connected part of the body that it is of.
         parts: The check of every part, where there are several.
+        unmade: Why it could not be made, in words; then its value is not a number.
 
     >>> Check(value=1e-12, limit=1e-9).passed, Check(value=float("nan"), limit=1).passed
     (True, False)
@@ -39,6 +40,7 @@ class Check:
     kind: str = ""
     part: str = ""
     parts: tuple[Check, ...] = ()
+    unmade: str = ""
 
     @property
     def passed(self) -> bool:

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.errors import InputError, MachineError
+from fenics_contact.common.errors import FenicsContactError, MachineError
+from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.mesh.gathered_mesh import is_of_order_1
 from fenics_contact.mesh.tagged_mesh import Body
@@ -48,7 +50,7 @@ Again = Callable[[Scene, Body | None], Result]
 Errors = dict[Hashable, float]
 
 
-class _NotHadError(Exception):
+class _NotHadError(FenicsContactError):
     """There is no such estimate."""
 
 
@@ -89,14 +91,12 @@ class MotionErrors:
         if self._motion.modes is not None:
             sources["modes"] = self._by_modes
         found: dict[str, Errors | None] = {}
-        notes = []
+        notes: list[str] = []
         for source, estimate in sources.items():
             doing(f"{ESTIMATING} by {source}")
-            try:
-                found[source] = estimate()
-            except (InputError, MachineError, _NotHadError) as error:
-                found[source] = None
-                notes.append(f"The error by {_WORDS[source]} was not estimated: {error}.")
+            missing = f"The error by {_WORDS[source]} was not estimated"
+            had = partial(_if_it_fits, estimate)
+            found[source] = attempt(self._spaces.comm, missing, had, None, notes)
         rows = {key: row_of(key, found) for key in self._answer}
         budget = ErrorBudget.of_rows(rows, len(self._contacts), len(self._last.supports))
         return replace(budget, notes=notes)
@@ -147,6 +147,14 @@ class MotionErrors:
             for key, value in self._answer.items()
             if key in other
         }
+
+
+def _if_it_fits(estimate: Callable[[], Errors]) -> Errors:
+    """An estimate; too large a one for the machine is none, though the motion itself fitted."""
+    try:
+        return estimate()
+    except MachineError as error:
+        raise _NotHadError(str(error)) from error
 
 
 def _values(step: StepRecord) -> dict[Hashable, Any]:

@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import NotConvergedError, StoppedError
-from fenics_contact.common.failures import failing_together
+from fenics_contact.common.failures import attempt, failing_together, silently
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
@@ -23,8 +23,10 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.cycle_losses import cycles_record
+from fenics_contact.results.fretting_places import FrettingPlaces
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.fretting import FrettingRecord
 from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
@@ -54,9 +56,15 @@ from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.static_start import begin_motion
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
-from fenics_contact.trust.error_estimates.budget import ErrorBudget
+from fenics_contact.trust.error_estimates.budget import unknown_budget
 
 logger = logging.getLogger(__name__)
+
+_ALONE = "What follows an answer, such as its error bars, was not done to its end."
+_INTERRUPTED = (
+    "Interrupted after the last load step: what is missing of error bars, and of all else that "
+    "follows an answer, was not done; --resume does it."
+)
 
 
 class Run:
@@ -215,8 +223,12 @@ class Run:
         announce: Announce | None = None,
         accepted: Callable[[], None] | None = None,
         guess: Unknowns | None = None,
+        answered: Callable[[Result], None] | None = None,
     ) -> Result:
         """Solve and evaluate; collective. Failure to converge is a result, too.
+
+        Whatever fails once the last load step is solved, of error bars, derivatives and all else
+        that an answer stands without, is said in the result.
 
         Args:
             state: Where to keep the state of every accepted load step.
@@ -226,6 +238,7 @@ class Run:
                 logged, where there are several.
             accepted: Called when a load step has been added to ``steps``; collective.
             guess: Where the first load step is thought to end.
+            answered: Called with the answer alone, before all that follows it; collective.
 
         Returns:
             What came out, the same on every rank.
@@ -234,7 +247,8 @@ class Run:
             MachineError: The machine failed: memory, a file.
         """
         told = announce or by_default(self.scene)
-        onlookers = Onlookers(told, accepted, stopped, self.at_end)
+        calls = (told, accepted, stopped, partial(self._answer_alone, answered), self.at_end)
+        onlookers = Onlookers(*calls)
         with failing_together(self.problem.comm):
             if state is not None:
                 state.make_folder()
@@ -258,15 +272,34 @@ class Run:
         except StoppedError:
             return self._interrupted()
         if self.scene.motion is not None and self.scene.solver.errors == "all":
-            self.end.budget = self._budget_of_motion()
+            self._judge_motion()
         result = self._evaluate()
+        if self.end.interrupted:
+            words = f"{result.verdict} {_INTERRUPTED}"
+            return dataclasses.replace(result, verdict=words, interrupted=True)
         return result if self.scene.accuracy is not None else self.with_all_asked(result)
 
-    def _budget_of_motion(self) -> ErrorBudget:
-        """Of its last step; collective."""
-        with self.timings.phase("errors"):
+    def _answer_alone(self, answered: Callable[[Result], None] | None) -> None:
+        """Tell the answer before what follows it, if something does; collective."""
+        if answered is not None and self._is_judged:
+            result = self._evaluate()
+            answered(dataclasses.replace(result, verdict=f"{result.verdict} {_ALONE}"))
+
+    @property
+    def _is_judged(self) -> bool:
+        """Whether more than the answer is asked for."""
+        asked = self.scene.derivatives or self.scene.modes or self.scene.stability
+        return self.scene.solver.errors != "none" or asked is not None
+
+    def _judge_motion(self) -> None:
+        """Estimate the errors of its last step; collective."""
+        with self.timings.phase("errors"), silently():
             parts = self.scene, self.problem.spaces, self.contacts(), self.steps[-1]
-            return MotionErrors(*parts, self._again).budget()
+            estimate = MotionErrors(*parts, self._again).budget
+            missing, notes = "Errors were not estimated", list(self.end.budget.notes)
+            unknown = unknown_budget(self.scene, self.steps[-1])
+            found = attempt(self.problem.comm, missing, estimate, unknown, notes)
+            self.end.budget = dataclasses.replace(found, notes=[*found.notes, *notes])
 
     def with_all_asked(self, result: Result) -> Result:
         """With derivatives and modes that the scene asks for, if any; collective.
@@ -274,8 +307,8 @@ class Run:
         Args:
             result: Of this run, that converged.
         """
-        asked = AskedOfAnswer(self.scene, self._keys, self._kept_body)
-        result = asked.add_to(result, self.timings, self.problem.comm)
+        asked = AskedOfAnswer(self.scene, self._keys, self._kept_body, self.problem.comm)
+        result = asked.add_to(result, self.timings)
         self.vibration, self.stability = asked.vibration, asked.stability
         return result
 
@@ -312,21 +345,24 @@ class Run:
         with self.timings.phase("output"):
             checks = (self.end.checks or history.checks()) | modes.check(history.steps)
             points = contact_points(problem, solution)
-            stress, asked = history.stress, self.scene.fretting
-            found = stress and asked and evaluate_fretting(problem, asked, stress)
-            fretting, places = found or (None, None)
+            fretting, places = self._fretting() or (None, None)
         contacts = self.contacts(history.by_contact)
         far = () if self.scene.half_space is None else (self.scene.half_space.label,)
-        losses = self.end.budget.losses
-        cycles = cycles_record(history.steps, contacts, cycles_of(self.scene), far, losses)
+        losses, notes = self.end.budget.losses, [*history.notes, *self.end.notes]
+        passes = cycles_of(self.scene)
+        count = partial(cycles_record, history.steps, contacts, passes, far, losses)
+        cycles = attempt(problem.comm, "Losses of cycles were not found", count, None, notes)
+        said = verdict.remarks(problem, solution, history.steps, open_share, notes)
         return Result(
             title=self.scene.title,
             converged=True,
-            verdict=verdict.of_answer(problem, solution, history.steps, checks, open_share)
+            verdict=verdict.of_checks(checks)
+            + said
             + cycle_words(cycles)
             + fretting_words(self.scene.fretting, fretting)
             + self.end.others.words()
-            + modes.words(history.steps),
+            + modes.words(history.steps)
+            + "".join(f" {note}" for note in notes),
             model=self.model,
             contacts=contacts,
             supports=self.end.budget.of_supports(history.supports),
@@ -346,6 +382,15 @@ class Run:
             points=points,
             fretting_places=places,
         )
+
+    def _fretting(self) -> tuple[FrettingRecord, FrettingPlaces] | None:
+        """Where fatigue is worst, where the scene asks for it; collective."""
+        stress, asked, comm = self._history.stress, self.scene.fretting, self.problem.comm
+        if stress is None or asked is None:
+            return None
+        evaluate = partial(evaluate_fretting, self.problem, asked, stress)
+        missing, notes = "Fretting was not evaluated", self._history.notes
+        return attempt(comm, missing, evaluate, None, notes)
 
     def _stopped_short(self, words: str, steps: list[StepRecord]) -> Result:
         """What there is of a history that did not reach its end; collective.

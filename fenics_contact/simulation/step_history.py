@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fenics_contact.common.errors import InputError
+from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.history import StressHistory
@@ -28,7 +29,7 @@ from fenics_contact.results.result import Check
 from fenics_contact.simulation.description import regularisation_of
 from fenics_contact.simulation.output.functions import Fields, fields_of
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.trust.checks.run_checks import run_checks
+from fenics_contact.trust.checks.run_checks import made, run_checks
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ class StepHistory(Generic[_Forces]):
         by_contact: Quantities of each contact there.
         supports: Each support there.
         preloads: Each preload there, by its name.
+        notes: Sentences on what could not be found of a load step beside its answer.
         cycle: The last cycle that was computed, where cycles that wear are passed over.
     """
 
@@ -68,6 +70,7 @@ class StepHistory(Generic[_Forces]):
     ) -> None:
         self._problem, self._timings, self._forces_of = problem, timings, forces_of
         self.steps: list[StepRecord] = []
+        self.notes: list[str] = []
         self.stress: StressHistory | None = None
         self.solution: Solution | None = None
         self._fields: tuple[Solution, Fields] | None = None
@@ -87,7 +90,7 @@ class StepHistory(Generic[_Forces]):
 
     def begin(self, steps: Sequence[StepRecord]) -> None:
         """Forget all, but steps of an earlier run to go on from."""
-        self.steps = list(steps)
+        self.steps, self.notes = list(steps), []
         self.book = EnergyBook(self._problem)
         self.momenta = MomentumBook(self._problem)
         self.solution = None
@@ -128,7 +131,7 @@ class StepHistory(Generic[_Forces]):
         if solution.cycle is not None and solution.cycle.worn is None:
             self.book.end_cycle(quantities)
         with self._timings.phase("output"):
-            sizes = self._linear_range.of(solution) if self._looks_inside else {}
+            sizes = self._sizes(solution) if self._looks_inside else {}
         self.steps.append(
             StepRecord(
                 load_factor=time,
@@ -156,7 +159,25 @@ class StepHistory(Generic[_Forces]):
         )
         if self.stress is not None:
             with self._timings.phase("output"):
-                self.stress.add(time, solution)
+                self._add_stress(self.stress, time, solution)
+
+    def _sizes(self, solution: Solution) -> dict[str, dict[str, Any]]:
+        """Of what linear theory takes to be small; collective."""
+        missing = "The range of linear theory was not checked"
+        found: dict[str, dict[str, Any]] = {}
+
+        def find() -> dict[str, dict[str, Any]]:
+            return self._linear_range.of(solution)
+
+        return attempt(self._problem.comm, missing, find, found, self.notes)
+
+    def _add_stress(self, stress: StressHistory, time: float, solution: Solution) -> None:
+        """Those of a load step; none at all where one of them fails; collective."""
+        before, missing = len(self.notes), "Fretting was not evaluated"
+        add = partial(stress.add, time, solution)
+        attempt(self._problem.comm, missing, add, None, self.notes)
+        if len(self.notes) > before:
+            self.stress = None
 
     @property
     def _looks_inside(self) -> bool:
@@ -221,14 +242,21 @@ class StepHistory(Generic[_Forces]):
         """Of the last load step; collective."""
         with self._timings.phase("output"):
             checks = run_checks(self.forces, len(self.steps))
-            checks |= {} if self.forces.rests else {"momentum_balance": self.momenta.check()}
-            balance = self.book.check(self.steps[-1].quantities)
-            checks |= {} if balance is None else {"energy_balance": balance}
-            cycle = self.steps[-1].cycle
-            loop = self.book.check_cycle() if cycle is not None and cycle.is_closed else None
-            checks |= {} if loop is None else {"cycle_loss": loop}
-            small = linear_range(self.steps)
-            checks |= {} if small is None else {"linear_range": small}
+            for name, check in self._checks_of_path().items():
+                found = made(self._problem.comm, check)
+                checks |= {} if found is None else {name: found}
+        return checks
+
+    def _checks_of_path(self) -> dict[str, Callable[[], Check | None]]:
+        """Those that take all load steps, each of them to be made; collective."""
+        last = self.steps[-1]
+        checks: dict[str, Callable[[], Check | None]] = {}
+        if not self.forces.rests:
+            checks |= {"momentum_balance": self.momenta.check}
+        checks |= {"energy_balance": partial(self.book.check, last.quantities)}
+        if last.cycle is not None and last.cycle.is_closed:
+            checks |= {"cycle_loss": self.book.check_cycle}
+        checks |= {"linear_range": partial(linear_range, self.steps)}
         return checks
 
     def _measure(self, solution: Solution) -> dict[str, Any]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.check_messages import failure
@@ -36,32 +37,33 @@ _WITHOUT_FIELDS = " The range of linear theory was not checked: that takes the f
 _OPEN = 0.1
 
 
-def of_answer(
+def remarks(
     problem: Problem,
     solution: Solution,
     steps: list[StepRecord],
-    checks: dict[str, Check],
     open_share: float,
+    notes: list[str],
 ) -> str:
-    """All that is to be said of an answer; collective.
+    """All that is to be said of an answer beside its checks; collective.
 
     Args:
         problem: The model.
         solution: Of the last load step.
         steps: All load steps.
-        checks: Of the last one.
         open_share: Share of the work that load steps leave open.
+        notes: To which it is added what could not be found out.
     """
-    return (
-        of_checks(checks)
-        + untouched(problem, solution, steps)
-        + without_friction(problem)
-        + facets_too_straight(problem, solution)
-        + slid_far(steps)
-        + beyond_linear_theory(steps)
-        + coarse_path(open_share)
-        + loop_expands(solution)
+    asked: tuple[Callable[[], str], ...] = (
+        lambda: untouched(problem, solution, steps),
+        lambda: without_friction(problem),
+        lambda: facets_too_straight(problem, solution),
+        lambda: slid_far(steps),
+        lambda: beyond_linear_theory(steps),
+        lambda: coarse_path(open_share),
+        lambda: loop_expands(solution),
     )
+    missing = "Some of what limits the answer was not looked at"
+    return "".join(attempt(problem.comm, missing, remark, "", notes) for remark in asked)
 
 
 def of_quick_answer(
@@ -80,10 +82,12 @@ def of_quick_answer(
         checks: Those that need no field; None where none was made.
         open_share: Share of the work that load steps leave open.
     """
-    found = of_answer(problem, solution, steps, checks or {}, open_share)
+    notes: list[str] = []
+    found = remarks(problem, solution, steps, open_share, notes)
+    found += "".join(f" {note}" for note in notes)
     if checks is None:
-        return f"{_UNCHECKED}{found.removeprefix(of_checks({}))}"
-    return found + _WITHOUT_FIELDS
+        return f"{_UNCHECKED}{found}"
+    return of_checks(checks) + found + _WITHOUT_FIELDS
 
 
 def untouched(problem: Problem, solution: Solution, steps: Sequence[StepRecord] = ()) -> str:

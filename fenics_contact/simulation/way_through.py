@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
 from time import monotonic
 from typing import Any
 
 from fenics_contact.common.errors import NotConvergedError, StoppedError
+from fenics_contact.common.failures import attempt, silently
 from fenics_contact.common.parallel import from_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
@@ -30,8 +31,9 @@ from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import Condense, SolverChoice
-from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget
+from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget, unknown_budget
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+from fenics_contact.trust.error_estimates.solving_again import restore
 from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
 
 logger = logging.getLogger(__name__)
@@ -49,12 +51,16 @@ class EndOfRun:
         others: Of other answers of that step.
         budget: Estimated errors of its quantities.
         checks: Of the physics.
+        notes: Sentences on what could not be found beside the answer.
+        interrupted: Whether somebody asked to stop before all of it was found.
     """
 
     last: Unknowns | None = None
     others: OtherAnswers = field(default_factory=OtherAnswers)
     budget: ErrorBudget = field(default_factory=ErrorBudget)
     checks: dict[str, Check] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    interrupted: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,8 @@ class Onlookers:
         announce: Called with number and record of every accepted step.
         accepted: Called when a load step has been added to the history; collective.
         stopped: Whether this rank was asked to stop; then the last accepted step counts.
+        answered: Called when the last load step is solved and checked, before all that an answer
+            stands without; collective.
         at_end: Called with the load steps at their end, and with the errors of cells where these
             were estimated; collective.
     """
@@ -72,6 +80,7 @@ class Onlookers:
     announce: Announce
     accepted: Callable[[], None] | None = None
     stopped: Callable[[], bool] | None = None
+    answered: Callable[[], None] | None = None
     at_end: AtEnd | None = None
 
 
@@ -203,13 +212,37 @@ class WayThrough:
         end, history = self._end, self._history
         end.last = None if load_steps.last is None else load_steps.last.unknowns
         end.checks = history.checks()  # before other answers move the contacts about
+        end.budget = unknown_budget(self._scene, history.steps[-1])
+        if self._onlookers.answered is not None:
+            self._onlookers.answered()
+        try:
+            with silently():
+                self._judge(load_steps)
+        except StoppedError:  # of estimates: the answer is there
+            end.interrupted = True
+            restore(load_steps)
+
+    def _judge(self, load_steps: LoadSteps) -> None:
+        """What is to be known of the answer beside it; collective."""
+        end, comm, steps = self._end, load_steps.problem.comm, self._history.steps
+        look = partial(look_around, load_steps)
         with self._timings.phase("output"):
-            end.others = look_around(load_steps)
+            missing = "It was not found whether the answer is the only one"
+            end.others = attempt(comm, missing, look, OtherAnswers(), end.notes)
+            if end.notes:
+                restore(load_steps)
         with self._timings.phase("errors"):
             judge: _Judge = error_budget if self._cycles is None else self._cycles.budget
-            end.budget = judge(load_steps, history.steps)
-            if self._onlookers.at_end is not None:
-                self._onlookers.at_end(load_steps, end.budget.local)
+            estimate = partial(judge, load_steps, steps)
+            notes: list[str] = []
+            found = attempt(comm, "Errors were not estimated", estimate, end.budget, notes)
+            end.budget = replace(found, notes=[*found.notes, *notes])
+            if notes:
+                restore(load_steps)
+            at_end = self._onlookers.at_end
+            if at_end is not None:
+                tell = partial(at_end, load_steps, end.budget.local)
+                attempt(comm, "Cells were not weighed for the accuracy", tell, None, end.notes)
 
 
 def by_default(scene: Scene) -> Announce:

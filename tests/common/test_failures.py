@@ -53,6 +53,8 @@ from fenics_contact import main, run
 from fenics_contact.common import failures as faults
 from fenics_contact.solve.newton import newton
 from fenics_contact.simulation import scene_run as simulation
+from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.trust.error_estimates import estimates
 from fenics_contact.verification import command
 from tests.scenes import PULLED_BLOCK, box_body
 
@@ -80,9 +82,14 @@ if MPI.COMM_WORLD.rank == 1:
         command.run_case = run_out_of_memory
     if where == "killed":
         simulation.contact_points = be_killed
+    if where == "estimate":
+        estimates.iteration_errors = fail
 if where == "verify":
     sys.exit(main(["verify", "slab", "--quick"]))
 body = box_body((2, 2, 2))
+if where == "estimate":
+    folder = pathlib.Path(sys.argv[2]).parent / "out"
+    files.solve_and_write(simulation.Run(PULLED_BLOCK, body=body), folder)
 try:
     run(PULLED_BLOCK, body=body)
 except Exception:  # a script that tries its luck with another scene

@@ -12,11 +12,14 @@ import dataclasses
 import logging
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from mpi4py import MPI
 
 from fenics_contact.common.errors import FenicsContactError, StoppedError
+from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import from_root
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.accuracy_messages import (
@@ -51,6 +54,7 @@ from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 logger = logging.getLogger(__name__)
 
+T = TypeVar("T")
 # Meshes in a row on which an error may be unknown.
 _PATIENCE = 3
 
@@ -97,9 +101,16 @@ class AdaptiveRun:
         run, guess, last = self.run, None, None
         while True:
             run.at_end = self._goals
-            result = solve_level(run, guess)
+            solve = partial(solve_level, run, guess)
+            result = solve() if last is None else self._tried("the next mesh has no answer", solve)
+            if isinstance(result, str):
+                assert last is not None
+                return self._with_levels(last, result)
             if not result.converged:
                 return self._failed(result, last)
+            if result.interrupted:
+                self.run = run
+                return self._interrupted(result)
             errors = relative_errors(result, self.asked, run.scene.names)
             self._note(run, result, errors)
             self.run, last = run, result
@@ -110,15 +121,25 @@ class AdaptiveRun:
             if reason:
                 return self._done(last, reason)
             try:
-                run = self._next_run(errors, result)
+                found = self._tried("the next mesh failed", partial(self._next_run, errors, result))
             except UsedUpError as error:
                 return self._done(last, str(error))
             except StoppedError:
                 return self._interrupted(last)
             except FenicsContactError as error:
                 return self._with_levels(last, f"the next mesh failed: {error}")
+            if isinstance(found, str):
+                return self._with_levels(last, found)
+            run = found
             if not run.scene.load_steps.several and self.run.end.last is not None:
                 guess = moved_over(self.run.problem, run.problem, self.run.end.last)
+
+    def _tried(self, missing: str, action: Callable[[], T]) -> T | str:
+        """What comes of it where there is an answer; of a fault, what is missing; collective."""
+        notes: list[str] = []
+        expected = FenicsContactError, UsedUpError
+        found = attempt(self.run.problem.comm, missing, action, None, notes, expected)
+        return notes[0].removesuffix(".") if found is None else found
 
     def _note(self, run: Run, result: Result, errors: Errors) -> None:
         for phase, seconds in result.timings.items():
@@ -215,7 +236,8 @@ class AdaptiveRun:
         """The scene on the next mesh; collective."""
         began = time.perf_counter()
         goals = self._goals.found
-        assert goals is not None
+        if goals is None:
+            raise UsedUpError("it was not found which cells are to be smaller")
         wish = MeshWish(self.run, self.levels, self.asked, errors, goals)
         body = wish.mesh(self._has_own_body)
         scene = balanced(self.run.scene, result, errors, self.asked)

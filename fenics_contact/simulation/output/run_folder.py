@@ -10,6 +10,8 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,7 @@ from mpi4py import MPI
 
 from fenics_contact.common.atomic_files import make_folder, naming, replace_file
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.failures import failing_together
+from fenics_contact.common.failures import attempt, failing_together
 from fenics_contact.common.parallel import on_root
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
@@ -66,7 +68,8 @@ def solve_and_write(
     """Solve, and write the files of a run, those of steps as they are accepted; collective.
 
     Without convergence they are of the last accepted load step; if there is none, only
-    ``result.json`` is written, with the history.
+    ``result.json`` is written, with the history. An answer is written as soon as it is there, and
+    again with its error bars and all else that follows it.
 
     Args:
         run: Made ready.
@@ -97,11 +100,15 @@ def _solve(
 ) -> Result:
     """As ``solve_and_write``, without the scene's file; its text goes into the result's."""
     steps = StepFiles(run, folder, None if saved is None else saved.time)
-    result = run.solve(state, saved, stopped, announce, steps.add, guess)
+
+    def answered(result: Result) -> None:
+        with run.timings.phase("output"):
+            on_root(run.problem.comm, lambda: _write_tables(result, folder, scene))
+
+    result = run.solve(state, saved, stopped, announce, steps.add, guess, answered)
     with run.timings.phase("output"):
         steps.complete()
-    _finish(run, result, folder, scene)
-    return result
+    return _finish(run, result, folder, scene, steps.notes)
 
 
 def solve_levels_and_write(
@@ -112,7 +119,8 @@ def solve_levels_and_write(
 ) -> Result:
     """Solve a scene that asks for an accuracy, and write the files of its last level; collective.
 
-    Each level is written beside those of the one before, and takes their place once it is whole.
+    Each level after the first is written beside the one before, and takes its place once it is
+    whole.
 
     Args:
         first: Made ready on the first mesh.
@@ -129,8 +137,10 @@ def solve_levels_and_write(
     levels = AdaptiveRun(first)
 
     def solve_level(run: Run, guess: Unknowns | None) -> Result:
-        result = _solve(run, aside, scene, None, None, stopped, announce, guess)
-        if result.converged or not levels.levels:
+        is_first = not levels.levels  # whose answer there is nothing before to stand for
+        place = folder if is_first else aside
+        result = _solve(run, place, scene, None, None, stopped, announce, guess)
+        if result.converged and not is_first:
             on_root(comm, lambda: _take_place(aside, folder))
         return result
 
@@ -138,7 +148,9 @@ def solve_levels_and_write(
         on_root(comm, lambda: _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}"))
         scene = _write_scene(first, folder)
         result = levels.solve(solve_level)
-        _write_modes(levels.run, folder)
+        notes: list[str] = []
+        _write_modes(levels.run, folder, notes)
+        result = _noted(result, notes)
         on_root(comm, lambda: _write_level(result, folder, aside, scene))
     return result
 
@@ -172,7 +184,7 @@ def write(run: Run, result: Result, folder: Path) -> None:
         steps.catch_up()
         if run.solution is not None:
             steps.add_fields()
-        _finish(run, result, folder, scene)
+        _finish(run, result, folder, scene, steps.notes)
 
 
 def _write_scene(run: Run, folder: Path) -> str:
@@ -185,30 +197,47 @@ def _write_scene(run: Run, folder: Path) -> str:
     return on_root(run.problem.comm, written)
 
 
-def _finish(run: Run, result: Result, folder: Path, scene: str) -> None:
+def _finish(run: Run, result: Result, folder: Path, scene: str, notes: list[str]) -> Result:
+    """Files of the end; returns the result that says what could not be written."""
+    comm, spaces = run.problem.comm, run.problem.spaces
     with run.timings.phase("output"):
-        _write_modes(run, folder)
+        _write_modes(run, folder, notes)
         if result.fretting_places is not None and run.solution is not None:
             found = result.fretting_places, run.solution.displacement
-            write_fretting(run.problem.spaces, *found, folder)
-        on_root(run.problem.comm, lambda: _write_tables(result, folder, scene))
+            draw = partial(write_fretting, spaces, *found, folder)
+            attempt(comm, "Fields of fretting were not written", draw, None, notes)
+        result = _noted(result, notes)
+        on_root(comm, lambda: _write_tables(result, folder, scene))
+    return result
 
 
-def _write_modes(run: Run, folder: Path) -> None:
+def _noted(result: Result, notes: list[str]) -> Result:
+    """With sentences on what the run could not write."""
+    return replace(result, verdict=" ".join([result.verdict, *notes])) if notes else result
+
+
+def _write_modes(run: Run, folder: Path, notes: list[str]) -> None:
+    comm, spaces = run.problem.comm, run.problem.spaces
     if run.vibration is not None:
-        write_modes(run.problem.spaces, run.vibration.shapes, folder)
+        draw = partial(write_modes, spaces, run.vibration.shapes, folder)
+        attempt(comm, "Fields of modes were not written", draw, None, notes)
     if run.stability is not None:
-        write_complex_modes(run.problem.spaces, run.stability.shapes, folder)
+        draw = partial(write_complex_modes, spaces, run.stability.shapes, folder)
+        attempt(comm, "Fields of complex modes were not written", draw, None, notes)
 
 
 class StepFiles:
     """``steps.csv`` and ``fields.pvd`` of a run, growing with its steps; collective.
 
     Files of an earlier run in the same folder are removed first, so that none outlives its run.
+
+    Attributes:
+        notes: Sentences on what could not be written.
     """
 
     def __init__(self, run: Run, folder: Path, resumed: float | None = None) -> None:
         self._run, self._comm = run, run.problem.comm
+        self.notes: list[str] = []
         names = _OF_THE_END if resumed is not None else f"{_OF_THE_END}|{_OF_STEPS}"
         on_root(self._comm, lambda: _clear(folder, names))
         self._table = StepTable(folder / "steps.csv")
@@ -246,7 +275,8 @@ class StepFiles:
     def add_fields(self) -> None:
         """Those of the last step."""
         steps = self._run.steps
-        self._fields.write(self._run.forces, steps[-1].load_factor, len(steps))
+        write = partial(self._fields.write, self._run.forces, steps[-1].load_factor, len(steps))
+        attempt(self._comm, "Fields were not written", write, None, self.notes)
 
     @property
     def _has_last(self) -> bool:

@@ -10,10 +10,14 @@ these laws alone. A new check is a line there, and its words in ``results/check_
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
+from mpi4py import MPI
+
+from fenics_contact.common.failures import attempt
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.boundary_stress import boundary_stress
@@ -142,6 +146,23 @@ def all_checks(forces: NeededForces, steps: int) -> dict[str, Check | None]:
         unknown = sorted({*contact.checks} - {*OF_LAWS})
         if unknown:
             raise ValueError(f"a law of '{contact.label}' claims checks that are none: {unknown}")
-    solved = Solved(forces, steps)
-    every = {name: check(solved) for name, check in OF_EVERY_SOLUTION.items()}
-    return every | {name: check(Claimed(name, solved)) for name, check in OF_LAWS.items()}
+    comm, solved = forces.problem.comm, Solved(forces, steps)
+    every = {name: made(comm, partial(of, solved)) for name, of in OF_EVERY_SOLUTION.items()}
+    for name, check in OF_LAWS.items():
+        every[name] = made(comm, partial(check, Claimed(name, solved)))
+    return every
+
+
+def made(comm: MPI.Comm, check: Callable[[], Check | None]) -> Check | None:
+    """A check; one that fails to be made is one that fails; collective.
+
+    Args:
+        comm: Communicator.
+        check: Makes it; collective.
+    """
+    notes: list[str] = []
+    found = attempt(comm, "", check, None, notes)
+    if not notes:
+        return found
+    why = notes[0].removeprefix(": ").removesuffix(".")
+    return Check(value=math.nan, limit=0.0, unmade=why)

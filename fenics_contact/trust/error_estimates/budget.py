@@ -13,11 +13,14 @@ from typing import Any
 
 from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, ReactionRecord, SupportRecord
-from fenics_contact.scene.quantity_names import LossOfCycle, OfPreload, Reaction
+from fenics_contact.results.records.record import Quantities
+from fenics_contact.results.records.steps import StepRecord
+from fenics_contact.scene.quantity_names import OF_PRELOADS, LossOfCycle, OfPreload, Reaction
+from fenics_contact.scene.scene import Scene
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.convergence.unbounded import Unbounded
 from fenics_contact.trust.error_estimates.estimates import SOURCES, Errors, Estimates
-from fenics_contact.trust.error_estimates.measured import Measured
+from fenics_contact.trust.error_estimates.measured import Measured, known_quantities
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 _OF_MOTION = (
@@ -117,6 +120,30 @@ class ErrorBudget:
             name: replace(preload, errors=self.preloads.get(name, {}))
             for name, preload in preloads.items()
         }
+
+
+def unknown_budget(scene: Scene, step: StepRecord) -> ErrorBudget:
+    """Of errors that were asked for, and not estimated: no quantity has a bar.
+
+    Args:
+        scene: That was solved.
+        step: The last load step.
+    """
+    if scene.solver.errors == "none":
+        return ErrorBudget()
+    row: Row = dict.fromkeys((*SOURCES, "total"))
+    return ErrorBudget(
+        quantities={name: row for name in _named(step.quantities)},
+        contacts=[{name: row for name in _named(one.quantities)} for one in step.contacts],
+        supports=[{"reaction": row} for _ in step.supports],
+        reactions={name: {"reaction": row} for name in reactions_by_name(step.supports)},
+        preloads={name: dict.fromkeys(OF_PRELOADS, row) for name in step.preloads},
+    )
+
+
+def _named(quantities: Quantities) -> list[str]:
+    """Those that have a true value."""
+    return [name for name in known_quantities(quantities) if isinstance(name, str)]
 
 
 def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> ErrorBudget:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
@@ -24,7 +25,7 @@ from fenics_contact.trust.error_estimates.parameters import (
     penalty_errors,
     regularisation_errors,
 )
-from fenics_contact.trust.error_estimates.solving_again import Again
+from fenics_contact.trust.error_estimates.solving_again import Again, restore
 
 _WORDS = {
     "mesh": "the mesh",
@@ -99,12 +100,13 @@ class Estimates:
             "domain": self._of_domain,
         }
         doing(f"{ESTIMATING} by {_WORDS[source]}")
-        found = estimate[source]()
-        if found is None:
-            self._notes.append(
-                f"The error by {_WORDS[source]} was not estimated: solving again with less of it "
-                "did not converge."
-            )
+        missing = f"The error by {_WORDS[source]} was not estimated"
+        comm, before = self._problem.comm, len(self._notes)
+        found = attempt(comm, missing, estimate[source], None, self._notes)
+        if found is None and len(self._notes) > before:
+            restore(self._load_steps)
+        elif found is None:
+            self._notes.append(f"{missing}: solving again with less of it did not converge.")
         return found
 
     def _not_here(self, source: str) -> str | None:

@@ -81,10 +81,10 @@ def measured(
     supports = support_records(forces)
     contacts = [contact_quantities(problem, solution, i) for i in range(len(problem.contacts))]
     every = global_quantities(forces, contacts)
-    found: dict[Hashable, QuantityValue] = _known(every)
+    found: dict[Hashable, QuantityValue] = known_quantities(every)
     found.update(forces.at_points())
     for number, of_contact in enumerate(contacts):
-        found |= {(number, name): value for name, value in _known(of_contact).items()}
+        found |= {(number, name): value for name, value in known_quantities(of_contact).items()}
     found |= _losses_of_cycles(problem, solution)
     return found | _reactions(supports) | _preloads(preload_records(problem, solution))
 
@@ -137,6 +137,10 @@ def _preloads(records: Mapping[str, PreloadRecord]) -> dict[Hashable, QuantityVa
     }
 
 
-def _known(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityValue]:
-    """Those that have a true value, and one here: the force along no axis is none."""
+def known_quantities(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityValue]:
+    """Those that have a true value, and one here: the force along no axis is none.
+
+    Args:
+        quantities: By their names.
+    """
     return {name: quantities[name] for name in QUANTITIES if quantities.get(name) is not None}

@@ -160,7 +160,7 @@ def last_step_again(
             except NotConvergedError as error:
                 logger.debug("  solving again: %s", error)
     finally:
-        _restore(load_steps)
+        restore(load_steps)
     return None
 
 
@@ -200,7 +200,7 @@ def steps_again(
         return None
     finally:
         system.earlier_forces = earlier
-        _restore(load_steps)
+        restore(load_steps)
 
 
 def begin_at_answer(load_steps: LoadSteps) -> None:
@@ -265,7 +265,12 @@ def _answer(load_steps: LoadSteps) -> Solution:
     return load_steps.last.solution
 
 
-def _restore(load_steps: LoadSteps) -> None:
+def restore(load_steps: LoadSteps) -> None:
+    """Have all as it was in the answer, whatever was changed of it; collective.
+
+    Args:
+        load_steps: At their end.
+    """
     for contact in load_steps.problem.contacts:
         contact.normal.soften(1.0)
         contact.friction.regularise_less(1.0)
