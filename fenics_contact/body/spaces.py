@@ -52,6 +52,7 @@ class Spaces:
                 f"kinematics = '{description.kinematics}' needs cells of dimension "
                 f"{description.dimension}; those of {body.source} have {body.dimension}"
             )
+        body.require_made_for(description.kinematics)
         if description.kinematics == "axisymmetric":
             body.require_radii()
         if self.degree < self.geometry_order:

@@ -125,7 +125,8 @@ def _check(options: argparse.Namespace) -> int:
     if comm.rank == 0 and not options.quiet:
         body = prepared.problem.body
         relations = [relation.words for relation in body.relations]
-        print_model(scene, model, body.known_groups(), prepared.contacts(), plan, relations)
+        said = (relations, body.notes)
+        print_model(scene, model, body.known_groups(), prepared.contacts(), plan, *said)
     return 0
 
 

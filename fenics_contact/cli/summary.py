@@ -71,6 +71,7 @@ def print_model(
     contacts: list[ContactRecord],
     plan: str = "",
     relations: Sequence[str] = (),
+    notes: Sequence[str] = (),
 ) -> None:
     """Say what would be modelled: ``fenics-contact check``.
 
@@ -81,6 +82,7 @@ def print_model(
         contacts: Of the scene.
         plan: What is said of an accuracy that is asked for.
         relations: How bodies of a geometry lie that are near each other, in words.
+        notes: What of the mesh's files is not in the model, or looks wrong.
     """
     console = Terminal()
     table = _table("", "")
@@ -96,6 +98,8 @@ def print_model(
         console.print("Bodies of the geometry that are near each other, as drawn:")
     for line in relations:
         console.print(f"  {one_line(line)}", markup=False, highlight=False, soft_wrap=True)
+    for note in notes:
+        console.print(f"{one_line(note)}.", markup=False, highlight=False, soft_wrap=True)
     console.print("Energy terms modelled:")
     for term in model.terms:
         console.print(f"  {term}", markup=False)

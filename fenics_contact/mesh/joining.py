@@ -74,6 +74,9 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
         numbers,
         tuple(relations),
         sides,
+        np.concatenate([mesh.elements for mesh in meshes]),
+        {kind: said for mesh in meshes for kind, said in mesh.kinematics.items()},
+        tuple(note for mesh in meshes for note in mesh.notes),
     )
 
 

@@ -6,10 +6,11 @@ raised on every rank. Then the cells are dealt out.
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,8 @@ from fenics_contact.mesh.geometry.file_kinds import (
     prepared,
 )
 from fenics_contact.mesh.size_field import SizeField
+from fenics_contact.mesh.soundness.left_out import no_surface
+from fenics_contact.mesh.soundness.neighbours import Finding, Neighbours
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.scene import MeshSource
@@ -77,10 +80,11 @@ def load_body(
         cuts = bolts_of(sources, preloads)
         made = arrays or _load_all(sources, dimension, sizes, curved, cuts)
         found.append(made)
-        named = made.groups, made.numbers, made.relations
+        named = made.groups, made.numbers, made.relations, made.kinematics, made.notes
         return made.cell, made.order, made.facets.shape[1], named
 
-    cell, order, facet_nodes, (groups, numbers, relations) = on_root(comm, prepare)
+    cell, order, facet_nodes, named = on_root(comm, prepare)
+    groups, numbers, relations, kinematics, notes = named
     if found:
         made = found.pop()
         points, cells, cell_tags = made.points, made.cells, made.cell_tags
@@ -99,6 +103,8 @@ def load_body(
         " and ".join(dict.fromkeys(source.file for source in sources)),
         numbers,
         relations,
+        kinematics,
+        notes,
     )
 
 
@@ -162,14 +168,46 @@ def _load(
     """
     description, read = _read(key, source, dimension, sizes, curved, cuts)
     made = mesh_arrays.build(read, description, source, dimension, key)
-    for relation in made.relations:
-        if relation.kind == "overlapping":
-            logger.warning("%s.file = '%s': %s", key, source.file, relation.words)
-    return made
+    where = f"{key}.file = '{source.file}'"
+    findings = list(_findings(source, made))
+    for finding in findings:
+        if finding.is_wrong:
+            raise InputError(f"{where}: {finding.words}")
+    notes = [finding.words for finding in findings]
+    overlaps = [one.words for one in made.relations if one.kind == "overlapping"]
+    for words in (*overlaps, *notes):
+        logger.warning("%s: %s", where, words)
+    return dataclasses.replace(made, notes=tuple(f"{where}: {words}" for words in notes))
+
+
+def _findings(source: MeshSource, mesh: MeshArrays) -> Iterator[Finding]:
+    """What is to be said of a mesh as it was read; Gmsh's own, of a geometry, fit together."""
+    yield from (Finding(words, False) for words in mesh.notes)
+    if is_geometry(source):
+        return
+    groups = [
+        group
+        for group in (*mesh.groups.values(), *mesh.numbers.values())
+        if group.dimension < mesh.points.shape[1]
+    ]
+    if not groups:
+        yield Finding(no_surface(kind_of(source.file)), False)
+    yield from Neighbours(
+        mesh.cell,
+        mesh.points,
+        mesh.cells,
+        mesh.cell_tags,
+        mesh.elements,
+        mesh.facets,
+        mesh.facet_tags,
+        groups,
+    ).findings()
 
 
 def load_to_look(source: MeshSource) -> tuple[MeshArrays, dict[str, Any]]:
     """The mesh of a file of whatever dimension, to be looked at; on rank 0.
+
+    What no scene could use it for is a note of the mesh, so that one can look at it.
 
     Args:
         source: The file and how to mesh it.
@@ -182,7 +220,9 @@ def load_to_look(source: MeshSource) -> tuple[MeshArrays, dict[str, Any]]:
     """
     description, read = _read("mesh", source, 0, None, curved=False, cuts=())
     dimension = max(description["dimension"], 2)
-    return mesh_arrays.build(read, description, source, dimension, "mesh"), read
+    made = mesh_arrays.build(read, description, source, dimension, "mesh")
+    notes = tuple(finding.words for finding in _findings(source, made))
+    return dataclasses.replace(made, notes=notes), read
 
 
 def _read(

@@ -58,7 +58,8 @@ def complete(
     found, types = dict(read) | middles.arrays(), dict(description["types"])
     for old, new, name in todo:
         found[f"nodes_{new}"] = nodes[old]
-        found[f"parts_{new}"] = found.pop(f"parts_{old}")
+        for of_each in ("parts", "numbers"):
+            found[f"{of_each}_{new}"] = found.pop(f"{of_each}_{old}")
         del found[f"nodes_{old}"], types[str(old)]
         types[str(new)] = name
     return found, dict(description) | {"types": types}

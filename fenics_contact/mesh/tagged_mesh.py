@@ -84,6 +84,10 @@ class Body:
         numbers: Number → group: physical groups by their tags, or, where the boundary
             has none, its geometric parts.
         relations: Of the bodies of each geometry that are near each other.
+        kinematics: What its files' types of elements are made for, if they say it, such as
+            ``axisymmetric``, and a type that says so, such as ``CAX4``.
+        notes: Sentences, without the full stop, on what of its files is not in the model, or
+            looks wrong.
 
     A mesh of your own goes into ``run`` as a body. This square is pressed against the floor,
     without friction, so the pressure there is what presses on it:
@@ -125,6 +129,8 @@ class Body:
     source: str = "the mesh"
     numbers: Mapping[str, Group] = field(default_factory=dict)
     relations: tuple[Relation, ...] = ()
+    kinematics: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @property
     def dimension(self) -> int:
@@ -187,6 +193,23 @@ class Body:
                 "all must be on its boundary"
             )
         return group
+
+    def require_made_for(self, kinematics: str) -> None:
+        """Refuse a mesh whose elements are, by their types, of another kind of model.
+
+        Args:
+            kinematics: Of the scene.
+
+        Raises:
+            InputError: They are.
+        """
+        for kind, said in self.kinematics.items():
+            if kind != kinematics:
+                raise InputError(
+                    f"kinematics = '{kinematics}': the elements of {self.source} are {said}, which "
+                    f"is {kind}; change the scene's kinematics, or the type of the elements in the "
+                    "file"
+                )
 
     def require_radii(self) -> None:
         """Refuse a mesh that reaches over the axis of revolution x = 0; collective.

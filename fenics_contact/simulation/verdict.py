@@ -61,6 +61,7 @@ def remarks(
         lambda: beyond_linear_theory(steps),
         lambda: coarse_path(open_share),
         lambda: loop_expands(solution),
+        lambda: "".join(f" {note}." for note in problem.body.notes),
     )
     missing = "Some of what limits the answer was not looked at"
     return "".join(attempt(problem.comm, missing, remark, "", notes) for remark in asked)

@@ -1,6 +1,7 @@
 """``fenics-contact look``: from a file to a page, and to a scene that ``check`` accepts."""
 
 import json
+import random
 import re
 import tomllib
 from html.parser import HTMLParser
@@ -10,6 +11,8 @@ import pytest
 from fenics_contact import load_scene, main, run
 from tests import cad
 from tests.mesh.geometry.test_bodies import LABELS, NAMES
+from tests.mesh.readers.blocks import Block, bdf, inp
+from tests.mesh.soundness.damages import seam_through_the_body
 from tests.mesh.test_loading import with_gmsh
 from tests.scenes import ROOT
 
@@ -84,6 +87,59 @@ def test_geometries_of_one_body_or_glued_or_of_a_disk(folder, text, supports, co
     scene = checked(folder / "g.geo", folder / "out")
     assert len(scene["support"]) == supports
     assert [contact["contact"] for contact in scene.get("contact", [])] == contacts
+
+
+ROUND = """
+SetFactory("OpenCASCADE");
+Cylinder(1) = {0, 0, 0, 0, 0, 1, 1};
+Box(2) = {-2, -2, 0, 4, 4, 1};
+Cylinder(3) = {0, 0, 0, 0, 0, 1, 1};
+BooleanDifference{ Volume{2}; Delete; }{ Volume{3}; Delete; }
+"""
+
+
+@pytest.mark.parametrize("text", [ROUND, STACK])
+def test_curved_cells_have_displacements_of_degree_2(folder, text):
+    """Those of degree 1 hold no rigid rotation on curved cells."""
+    (folder / "g.geo").write_text(text)
+    code, path = look(folder / "g.geo", folder / "out")
+    scene = tomllib.loads(path.read_text())
+    assert code == 0 and len(scene["contact"]) == 1
+    orders = scene["mesh"].get("order", 1), scene["discretisation"]["degree"]
+    assert orders == ((2, 2) if text is ROUND else (1, 1))
+
+
+@pytest.mark.parametrize(
+    ("kind", "order", "kinematics", "degree"),
+    [("CAX4", 1, "axisymmetric", 1), ("CPS8", 2, "plane stress", 2), ("S4", 1, "plane strain", 1)],
+)
+def test_what_elements_are_made_for_is_the_kinematics(folder, kind, order, kinematics, degree):
+    text = inp(Block("quadrilateral", order), kind, surfaces=not kind.startswith("S"))
+    (folder / "b.inp").write_text(text)
+    scene = checked(folder / "b.inp", folder / "out")
+    assert scene["kinematics"] == kinematics
+    assert scene["discretisation"]["degree"] == degree
+
+
+def test_a_file_without_surfaces_says_what_to_add(folder, capsys):
+    """And a scene in which nothing holds, touches or loads the bodies is not called one to run."""
+    (folder / "b.bdf").write_text(bdf(Block("hexahedron"), "CHEXA"))
+    code, scene = look(folder / "b.bdf", folder / "out")
+    said = capsys.readouterr().out
+    assert code == 0 and "add them to the file: BSURFS, or shells (CQUAD4" in said
+    assert main(["check", str(scene)]) == 2
+    said = capsys.readouterr()
+    assert "can be run" not in said.out
+    assert "neither a support nor a contact nor a load" in said.err and "BSURFS" in said.err
+
+
+def test_a_torn_mesh_can_be_looked_at(folder, capsys):
+    block = Block("quadrilateral", cells=(4, 2))
+    seam_through_the_body(block, random.Random(1))
+    (folder / "b.inp").write_text(inp(block, "CPE4"))
+    code, scene = look(folder / "b.inp", folder / "out")
+    assert code == 0 and "share no nodes there" in capsys.readouterr().out
+    assert main(["check", str(scene)]) == 2
 
 
 HOSTILE = ["<script>x()</script>", "a\"\"\"b''' ]]> [x]", "Ö \u202e\x1b[2J\u2028"]

@@ -54,7 +54,11 @@ def look_at(path: Path, out: Path | None, tolerance: float | None) -> str:
     logger.info("looking for pairs of surfaces, among %d", len(found.surfaces))
     pairs = facing_pairs(found, tolerance)
     name = os.path.relpath(path, folder).replace(os.sep, "/")
-    proposal = Proposal(found, pairs, name, curvature, is_geometry(MeshSource(str(path))))
+    made_for = next(iter(mesh.kinematics), "")
+    proposal = Proposal(
+        *(found, pairs, name, curvature, is_geometry(MeshSource(str(path)))),
+        *(made_for, mesh.order),
+    )
     text = proposal.text()
     commands = [f"fenics-contact {what} {shlex.quote(str(scene))}" for what in ("check", "run")]
     look = Look(
@@ -74,7 +78,7 @@ def look_at(path: Path, out: Path | None, tolerance: float | None) -> str:
             )
             for contact in proposal.contacts
         ],
-        relations=[relation.words for relation in found.relations],
+        relations=[*(relation.words for relation in found.relations), *mesh.notes],
         scene=text,
         commands=commands,
         cells=found.cells,

@@ -23,6 +23,7 @@ from fenics_contact.mesh.survey.survey import FoundSurface, Survey
 
 _REPLACE = "TO BE REPLACED"
 _FLAT = ("plane", "straight line")
+_CURVED = 8  # cells around a full circle where these are curved
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,8 @@ class Proposal:
         file: The file, as the scene is to name it.
         curvature: Of its mesh, where it is a CAD file.
         is_geometry: Whether it is to be meshed.
+        kinematics: What the file's elements are made for; empty if it does not say.
+        order: Of the cells, where the file is a mesh.
     """
 
     def __init__(
@@ -63,9 +66,12 @@ class Proposal:
         file: str,
         curvature: int | None,
         is_geometry: bool,
+        kinematics: str = "",
+        order: int = 1,
     ) -> None:
         self._found, self._file = found, file
         self._curvature, self._is_geometry = curvature, is_geometry
+        self._kinematics, self._order = kinematics, order
         self._groups: dict[str, tuple[int, ...]] = {}
         self._is_all_held = True
         self._bonded: set[int] = set()
@@ -182,17 +188,22 @@ class Proposal:
         stem = self._file.rpartition("/")[2].rpartition(".")[0]
         yield f"title = {_quoted(plain_name(stem) or 'Scene')}"
         plane = self._found.dimension == 2
-        kinds = '  # or "plane stress", "axisymmetric"' if plane else ""
-        yield f'kinematics = "{"plane strain" if plane else "3D"}"{kinds}'
+        kind = self._kinematics or ("plane strain" if plane else "3D")
+        others = '  # or "plane stress", "axisymmetric"'
+        if self._kinematics:
+            others = "  # as the types of the file's elements say"
+        yield f'kinematics = "{kind}"{others if plane else ""}'
 
     def _mesh(self) -> Iterator[str]:
         yield from ("", "[mesh]", f"file = {_quoted(self._file)}")
+        is_round = self._is_geometry and self._is_round()
         if self._curvature is not None:
-            yield f"curvature = {self._curvature}  # cells around a full circle"
-        if self._is_geometry and self._is_round():
+            cells = _CURVED if is_round else self._curvature
+            yield f"curvature = {cells}  # cells around a full circle"
+        if is_round:
             yield "order = 2  # curved cells: round surfaces in contact keep their shape"
         if self._is_geometry:
-            size = _figures(self._found.size / 10)
+            size = _figures(self._found.size / (5 if is_round else 10))
             yield f"# size = {size}  # largest cell"
             names = [body.name for body in self._found.bodies if body.name]
             if len(names) > 1:
@@ -202,7 +213,11 @@ class Proposal:
             yield from ("", "[mesh.groups]  # surfaces by their numbers")
         for name, numbers in self._groups.items():
             yield f"{name} = {list(numbers)}"
-        yield from ("", "[discretisation]", "degree = 1  # 2 for results that count")
+        yield from ("", "[discretisation]")
+        if is_round or self._order > 1:  # degree 1 cannot turn curved cells without straining them
+            yield "degree = 2  # as curved cells want it; degree = 1 only with order = 1"
+        else:
+            yield "degree = 1  # 2 for results that count"
         if not self._is_all_held:
             yield from ("", "[solver]")
             yield f"stabilisation = true  # {_REPLACE}: some bodies have no surface to hold"

@@ -325,22 +325,21 @@ def _centre(dimension: int, tags: Sequence[int]) -> list[float]:
 
 
 def _elements(bodies: Bodies) -> Arrays:
-    """Node tags and coordinates; the nodes and the part of every element, by type."""
+    """Node tags and coordinates; nodes, part and tag of every element, by type."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     arrays = {"node_tags": tags, "points": coordinates.reshape(-1, 3)}
-    nodes: dict[int, list[np.ndarray]] = {}
-    parts: dict[int, list[np.ndarray]] = {}
+    found: dict[str, list[np.ndarray]] = {}
     for dimension, part in gmsh.model.getEntities():
         number = bodies.number(dimension, part)
         if number is None:
             continue
         kinds, elements, element_nodes = gmsh.model.mesh.getElements(dimension, part)
-        for kind, found, found_nodes in zip(kinds, elements, element_nodes, strict=True):
-            nodes.setdefault(int(kind), []).append(found_nodes.reshape(len(found), -1))
-            parts.setdefault(int(kind), []).append(np.full(len(found), number, dtype=np.int64))
-    for kind in nodes:
-        arrays[f"nodes_{kind}"] = np.concatenate(nodes[kind])
-        arrays[f"parts_{kind}"] = np.concatenate(parts[kind])
+        for kind, of_kind, nodes in zip(kinds, elements, element_nodes, strict=True):
+            found.setdefault(f"nodes_{kind}", []).append(nodes.reshape(len(of_kind), -1))
+            parts = np.full(len(of_kind), number, dtype=np.int64)
+            found.setdefault(f"parts_{kind}", []).append(parts)
+            found.setdefault(f"numbers_{kind}", []).append(of_kind)
+    arrays |= {name: np.concatenate(several) for name, several in found.items()}
     return arrays
 
 

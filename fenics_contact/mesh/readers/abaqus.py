@@ -6,6 +6,7 @@ sets that come in several blocks. Gmsh reads none.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,6 +27,7 @@ from fenics_contact.mesh.readers.found_mesh import FoundMesh
 _MAKERS = frozenset(
     ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBMODEL", "IMPORT")
 )
+_OF_GMSH = re.compile(r"\*+ E L E M E N T S \*+")
 _FLATTEN = "export the mesh flat, without parts and instances, and each part as a file of its own"
 
 
@@ -108,6 +110,7 @@ class _Reader:
         self._blocks = Blocks()
         self._sets = {"NSET": Sets("node"), "ELSET": Sets("element")}
         self._surfaces = Surfaces()
+        self._kinematics: dict[str, str] = {}
         self._takers: dict[str, Callable[[_Block], None]] = {
             "PART": self._begin_part,
             "ASSEMBLY": self._change_scope,
@@ -155,10 +158,17 @@ class _Reader:
             nodes,
             points,
             elements.nodes,
+            elements.numbers,
             {name: elements.rows(found) for name, found in groups["ELSET"].items()},
             self._surfaces.of_sides(elements, members),
             self._surfaces.of_nodes(members) | groups["NSET"],
+            {} if self._is_of_gmsh() else self._kinematics,
         )
+
+    def _is_of_gmsh(self) -> bool:
+        """Whether Gmsh wrote the file: it calls all plane elements CPS, whatever they are for."""
+        said = set(self._kinematics) == {"plane stress"}
+        return said and any(_OF_GMSH.match(line.text) for line in self._lines.lines())
 
     def _begin_part(self, block: _Block) -> None:
         self._once(block)
@@ -212,6 +222,8 @@ class _Reader:
             numbers = rows[:, 0].tolist()
             nodes = as_gmsh(kind, rows[:, 1:])
             self._blocks.add(block.line, numbers, kind, nodes, abaqus_types.is_shell(name))
+            if said := abaqus_types.kinematics_of(name):
+                self._kinematics.setdefault(said, name)
         self._add_to_set("ELSET", block, numbers)
 
     def _add_to_set(self, kind: str, block: _Block, numbers: list[int]) -> None:

@@ -14,6 +14,9 @@ from fenics_contact.mesh.readers.element_kinds import SIDES, dimension_of
 from fenics_contact.mesh.readers.file_lines import Line
 from fenics_contact.mesh.readers.found_mesh import outer_sides
 
+# Labels of elements that are sides themselves, and of shells, by Abaqus and by CalculiX: both of
+# their faces are the same side of the solid.
+_LABELS = {False: ("", "SPOS", "SNEG"), True: ("", "SPOS", "SNEG", "S1", "S2")}
 #: Numbers of a set, by kind (``NSET``, ``ELSET``), scope, name and the line that names it.
 Members = Callable[[str, str, str, Line], Integers]
 Facets = dict[int, Integers]
@@ -97,16 +100,30 @@ def _numbers(surface: _Surface, line: Line, members: Members) -> tuple[Integers,
 def _sides(line: Line, elements: Elements, kind: int, rows: Integers, label: str) -> Facets:
     """Sides of some elements of one type: those of a number, all outer ones, or themselves."""
     nodes, dimension = elements.nodes[kind][rows], dimension_of(kind)
-    if dimension == elements.dimension - 1 and label in ("", "SPOS", "SNEG"):
-        return {kind: nodes}
     is_shell = elements.are_shells[kind][rows].any()
-    if dimension == elements.dimension and kind in SIDES and not is_shell:
+    if dimension == elements.dimension - 1 and label in _LABELS[bool(is_shell)]:
+        return {kind: nodes}
+    if dimension == elements.dimension and not is_shell:
+        if kind not in SIDES:  # no cell that is read: what it is, is said of the mesh as a whole
+            return {}
         if not label:
             return outer_sides(elements.nodes, {kind: nodes}, dimension)
         side, places = SIDES[kind]
         if label in [f"S{number}" for number in range(1, len(places) + 1)]:
             return {side: nodes[:, np.array(places[int(label[1:]) - 1])]}
-    raise line.error(
-        f"'{label}' names no side of these elements; there are S1, S2, … of cells, and SPOS and "
-        "SNEG of shells in space"
-    )
+    raise line.error(f"'{label}' names no side of these elements{_instead(elements, kind, rows)}")
+
+
+def _instead(elements: Elements, kind: int, rows: Integers) -> str:
+    """What there is in place of a label that names no side, to follow the message."""
+    dimension = dimension_of(kind)
+    if elements.are_shells[kind][rows].any():
+        if dimension == elements.dimension:
+            return (
+                ": they are shells, whose sides are their faces; cells of a plane model are of "
+                "the types CPS…, CPE… or CAX…"
+            )
+        return ", which are shells; there are SPOS and SNEG, or S1 and S2"
+    if dimension == elements.dimension:
+        return f"; there are S1 to S{len(SIDES[kind][1])}"
+    return ", which are no cells; a surface of these elements themselves has no label"

@@ -21,6 +21,17 @@ _FAMILIES = (
     (re.compile(r"STRI(3|6)5?"), _FLAT),
     (re.compile(r"(?:T2D|T3D|R2D|RAX)(2)[A-Z]*"), {2: 1}),
 )
+# What cells in the plane are made for; those of heat and sound say only whether they are of
+# revolution.
+_KINEMATICS = {
+    "CPEG": "generalised plane strain",
+    "CPE": "plane strain",
+    "CPS": "plane stress",
+    "CAX": "axisymmetric",
+    "CGAX": "axisymmetric",
+    "DCAX": "axisymmetric",
+    "ACAX": "axisymmetric",
+}
 _SHELLS = re.compile(r"(?:DS|STRI|S|M3D|SFM3D|R3D)\d.*")
 # Beams of two nodes by their own numbering, and what is no part of a mesh of cells or facets.
 _BEAMS = re.compile(r"B[23][13](?:H|OS|OSH)?|[SM]AX1")
@@ -48,6 +59,15 @@ def gmsh_type(name: str) -> int:
 def is_shell(name: str) -> bool:
     """Whether the sides of the type are its faces, not its edges."""
     return _SHELLS.fullmatch(name) is not None
+
+
+def kinematics_of(name: str) -> str:
+    """What a type of plane elements is made for, as scenes call it; empty if it does not say.
+
+    Args:
+        name: In capitals, such as ``CAX4``.
+    """
+    return next((kind for word, kind in _KINEMATICS.items() if name.startswith(word)), "")
 
 
 def nodes_of(kind: int) -> int:

@@ -26,7 +26,7 @@ NAMES = {
     7: "Pyramid 5",
     19: "Pyramid 13",
 }
-_DIMENSIONS = {"Point": 0, "Line": 1, "Triangle": 2, "Quadrilateral": 2}
+_DIMENSIONS = {"Point": 0, "Line": 1, "Triangle": 2, "Quadrilateral": 2, "Polygon": 2}
 # Other programs list the nodes on the edges of a cell around its base, around its top, then
 # between both. These are the places of Gmsh's nodes among theirs; where none is given, both agree.
 _FROM_USUAL = {
@@ -68,7 +68,12 @@ SIDES[12] = (
 
 def dimension_of(kind: int) -> int:
     """Dimension of a type of elements."""
-    return _DIMENSIONS.get(NAMES[kind].split()[0], 3)
+    return dimension_of_name(NAMES[kind])
+
+
+def dimension_of_name(name: str) -> int:
+    """Dimension of a type of elements by Gmsh's name of it, such as ``Triangle 6``."""
+    return _DIMENSIONS.get(name.split()[0], 3)
 
 
 def as_gmsh(kind: int, nodes: Integers) -> Integers:

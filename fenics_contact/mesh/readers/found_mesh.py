@@ -23,18 +23,23 @@ class FoundMesh:
         tags: The file's number of each node, shape (nodes,).
         points: Coordinates, shape (nodes, 3) (length).
         elements: Gmsh's type → nodes of each element by their numbers, in Gmsh's order.
+        numbers: Gmsh's type → the file's number of each element.
         sets: Sets of elements: name → Gmsh's type → rows of ``elements``.
         surfaces: Sets of sides of cells: name → Gmsh's type → their nodes.
         node_sets: Sets of nodes by their numbers. They name the facets of the boundary all of whose
             nodes they hold.
+        kinematics: What plane elements are made for, if the file says it, such as ``axisymmetric``,
+            and a type that says so, such as ``CAX4``.
     """
 
     tags: Integers
     points: Array
     elements: Mapping[int, Integers]
+    numbers: Mapping[int, Integers]
     sets: Mapping[str, Mapping[int, Integers]] = field(default_factory=dict)
     surfaces: Mapping[str, Mapping[int, Integers]] = field(default_factory=dict)
     node_sets: Mapping[str, Integers] = field(default_factory=dict)
+    kinematics: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def dimension(self) -> int:
@@ -48,7 +53,7 @@ class FoundMesh:
         facets in a set of elements, and of a set of nodes. The later ones are ``NAME.surface``,
         ``NAME.facets`` and ``NAME.nodes``.
         """
-        parts = _Parts(self.elements)
+        parts = _Parts(self.elements, self.numbers)
         for rows in self.sets.values():
             parts.split(rows)
         groups: dict[str, tuple[int, list[int]]] = {}
@@ -76,6 +81,8 @@ class FoundMesh:
         return {
             "dimension": self.dimension,
             "whole": True,
+            "lists_once": True,
+            "kinematics": dict(self.kinematics) if self.dimension == 2 else {},
             "groups": [
                 {"dimension": dimension, "tag": 0, "name": name, "parts": found}
                 for name, (dimension, found) in groups.items()
@@ -158,10 +165,12 @@ class _Parts:
 
     Args:
         elements: The same, to begin with.
+        numbers: Likewise, the file's number of each.
     """
 
-    def __init__(self, elements: Mapping[int, Integers]) -> None:
+    def __init__(self, elements: Mapping[int, Integers], numbers: Mapping[int, Integers]) -> None:
         self.nodes = dict(elements)
+        self._numbers_of = dict(numbers)
         self._next = 1
         self._part = {}
         for kind, nodes in elements.items():
@@ -197,16 +206,19 @@ class _Parts:
         return sorted({int(number) for part in parts for number in np.unique(part)})
 
     def added(self, facets: Mapping[int, Integers]) -> list[int]:
-        """The number of a part that is added: facets, by their nodes."""
+        """The number of a part that is added: facets, by their nodes; as elements they have 0."""
         number = self._new()
         for kind, nodes in facets.items():
             before = self.nodes.get(kind, nodes[:0])
             self.nodes[kind] = np.concatenate([before, nodes])
             parts = np.full(len(nodes), number, dtype=np.int64)
             self._part[kind] = np.concatenate([self._part.get(kind, parts[:0]), parts])
+            numbers = self._numbers_of.get(kind, parts[:0])
+            self._numbers_of[kind] = np.concatenate([numbers, np.zeros_like(parts)])
         return [number]
 
     def arrays(self) -> dict[str, Integers]:
         """As ``from_gmsh`` takes them."""
         found = {f"nodes_{kind}": nodes for kind, nodes in self.nodes.items()}
+        found |= {f"numbers_{kind}": numbers for kind, numbers in self._numbers_of.items()}
         return found | {f"parts_{kind}": part for kind, part in self._part.items()}

@@ -16,6 +16,8 @@ import numpy as np
 from fenics_contact.mesh.readers.element_kinds import NAMES, as_gmsh
 from fenics_contact.mesh.readers.file_lines import FileLines, Line
 from fenics_contact.mesh.readers.found_mesh import FoundMesh
+from fenics_contact.mesh.readers.nastran_cards import Card
+from fenics_contact.mesh.readers.nastran_surfaces import ContactSurfaces
 
 # Gmsh's types by card and number of nodes.
 _CARDS = {
@@ -38,57 +40,6 @@ _CARDS = {
 _UNKNOWN = re.compile(r"C(?:TR|QUAD|TET|HEX|PEN|PY|IHEX|PLST|SHEAR|IFHEX|IFPEN)\w*")
 # Nastran lists the edges between base and top of a hexahedron before those of its top.
 _HEXAHEDRON = (*range(12), *range(16, 20), *range(12, 16))
-_EXPONENT = re.compile(r"(?<=[\d.])(?=[+-]\d+$)")
-_LARGEST = 2**53
-
-
-class _Card:
-    """A card: its word, its fields, and its first line."""
-
-    def __init__(self, line: Line) -> None:
-        self.line = line
-        first, self.fields = _fields(line.text)
-        self.word = first.rstrip("*").upper()
-
-    def goes_on(self, line: Line) -> bool:
-        """Whether a line continues the card; its fields are taken then."""
-        first, fields = _fields(line.text)
-        if first and first[0] not in "+*":
-            return False
-        self.fields += fields
-        return True
-
-    def whole(self, place: int) -> int:
-        """A field that holds a positive whole number."""
-        try:
-            value = int(self.fields[place])
-        except (IndexError, ValueError):
-            value = 0
-        if not 0 < value < _LARGEST:
-            raise self.line.error(
-                f"field {place + 2} of {self.word} must be a positive whole number"
-            )
-        return value
-
-    def real(self, place: int) -> float:
-        """A field that holds a number, such as 1.5-3; zero where it is blank."""
-        text = self.fields[place] if place < len(self.fields) else ""
-        try:
-            return float(_EXPONENT.sub("E", text.upper().replace("D", "E")) if text else 0.0)
-        except ValueError:
-            raise self.line.error(f"field {place + 2} of {self.word} must be a number") from None
-
-
-def _fields(text: str) -> tuple[str, list[str]]:
-    """The first field of a line, and those of data: 8 of them, or 4 wide ones."""
-    if "," in text:
-        first, *found = [word.strip() for word in text.split(",")]
-        most = 4 if first.endswith("*") else 8
-        return first, (found + most * [""])[:most]
-    text = text.expandtabs(8)
-    first = text[:8].strip()
-    width = 16 if first.endswith("*") or first.startswith("*") else 8
-    return first, [text[at : at + width].strip() for at in range(8, 72, width)]
 
 
 def read(job: dict[str, Any]) -> FoundMesh:
@@ -101,18 +52,23 @@ def read(job: dict[str, Any]) -> FoundMesh:
     nodes: dict[int, tuple[float, ...]] = {}
     elements: dict[int, list[list[int]]] = {}
     properties: dict[int, list[int]] = {}
-    numbers: set[int] = set()
+    numbers: dict[int, list[int]] = {}
+    taken: set[int] = set()
+    contacts = ContactSurfaces()
     for card in _cards(_bulk(lines)):
         if card.word == "GRID":
             _take_point(card, nodes)
         elif card.word in _CARDS:
             kind, found = _nodes(card)
             number = card.whole(0)
-            if number in numbers:
+            if number in taken:
                 raise card.line.error(f"the element {number} is defined twice")
-            numbers.add(number)
+            taken.add(number)
+            numbers.setdefault(kind, []).append(number)
             elements.setdefault(kind, []).append(found)
             properties.setdefault(kind, []).append(card.whole(1) if card.fields[1] else number)
+        elif card.word == "BSURFS":
+            contacts.take(card)
         elif _UNKNOWN.fullmatch(card.word):
             raise card.line.error(
                 f"elements {card.word} are not read; there are: {', '.join(sorted(_CARDS))}"
@@ -121,11 +77,15 @@ def read(job: dict[str, Any]) -> FoundMesh:
             raise _in_local_system(card, card.fields[1])
     if not nodes or not elements:
         raise lines.error("has no grid points (GRID), or no elements (CTETRA, CHEXA, CQUAD4, …)")
+    cells = {kind: as_gmsh(kind, np.array(found)) for kind, found in elements.items()}
+    numbered = {kind: np.array(found) for kind, found in numbers.items()}
     return FoundMesh(
         np.array(list(nodes), dtype=np.int64),
         np.array(list(nodes.values()), dtype=np.float64),
-        {kind: as_gmsh(kind, np.array(found)) for kind, found in elements.items()},
+        cells,
+        numbered,
         _sets(properties),
+        contacts.of_sides(cells, numbered),
     )
 
 
@@ -155,19 +115,19 @@ def _statements(lines: FileLines, found: Iterator[Line]) -> Iterator[Line]:
             yield Line(text, line.file, line.number)
 
 
-def _cards(lines: Iterator[Line]) -> Iterator[_Card]:
+def _cards(lines: Iterator[Line]) -> Iterator[Card]:
     """Cards, each with the lines that continue it."""
-    card: _Card | None = None
+    card: Card | None = None
     for line in lines:
         if card is None or not card.goes_on(line):
             if card is not None:
                 yield card
-            card = _Card(line)
+            card = Card(line)
     if card is not None:
         yield card
 
 
-def _take_point(card: _Card, nodes: dict[int, tuple[float, ...]]) -> None:
+def _take_point(card: Card, nodes: dict[int, tuple[float, ...]]) -> None:
     system = card.fields[1]
     if system not in ("", "0"):
         raise _in_local_system(card, system)
@@ -176,14 +136,14 @@ def _take_point(card: _Card, nodes: dict[int, tuple[float, ...]]) -> None:
         raise card.line.error(f"defines the grid point {number} again, elsewhere")
 
 
-def _in_local_system(card: _Card, system: str) -> Exception:
+def _in_local_system(card: Card, system: str) -> Exception:
     return card.line.error(
         f"{card.word} gives points in the coordinate system {system[:20]}, which is not read; "
         "write them in the basic system"
     )
 
 
-def _nodes(card: _Card) -> tuple[int, list[int]]:
+def _nodes(card: Card) -> tuple[int, list[int]]:
     """Gmsh's type of an element, and its nodes in the order of most programs."""
     kinds = _CARDS[card.word]
     most = max(kinds)

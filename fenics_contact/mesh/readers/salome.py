@@ -38,6 +38,7 @@ def read(job: dict[str, Any]) -> FoundMesh:
     gmsh.merge(job["file"])
     tags, points, _ = gmsh.model.mesh.getNodes()
     elements: dict[int, list[Integers]] = {}
+    numbers: dict[int, list[Integers]] = {}
     places: dict[tuple[int, int], list[tuple[int, Integers]]] = {}
     for entity in gmsh.model.getEntities():
         for kind, found, nodes in zip(*gmsh.model.mesh.getElements(*entity), strict=True):
@@ -47,6 +48,7 @@ def read(job: dict[str, Any]) -> FoundMesh:
                 raise RefusedError(f"{where}: its elements are of the type {name}")
             before = sum(map(len, elements.get(kind, [])))
             elements.setdefault(kind, []).append(nodes.reshape(len(found), -1).astype(np.int64))
+            numbers.setdefault(kind, []).append(found.astype(np.int64))
             rows = np.arange(before, before + len(found))
             places.setdefault(entity, []).append((kind, rows))
     sets: dict[str, dict[int, Integers]] = {}
@@ -59,6 +61,7 @@ def read(job: dict[str, Any]) -> FoundMesh:
         tags.astype(np.int64),
         points.reshape(-1, 3),
         {kind: np.concatenate(found) for kind, found in elements.items()},
+        {kind: np.concatenate(found) for kind, found in numbers.items()},
         sets,
         node_sets=node_sets,
     )

@@ -177,7 +177,8 @@ class _Scan:
 def _found(where: str, mesh: Any) -> FoundMesh:
     """What meshio has read."""
     elements: dict[int, list[Integers]] = {}
-    kinds = []
+    numbers: dict[int, list[Integers]] = {}
+    kinds, count = [], 0
     for block in mesh.cells:
         nodes = np.asarray(block.data)
         width = nodes.shape[1] if nodes.ndim == 2 else 0
@@ -189,12 +190,16 @@ def _found(where: str, mesh: Any) -> FoundMesh:
             )
         kinds.append(kind)
         elements.setdefault(kind, []).append(as_gmsh(kind, nodes.astype(np.int64)))
+        # ParaView counts them from 0 in what it shows, and here 0 is no number of an element.
+        numbers.setdefault(kind, []).append(count + 1 + np.arange(len(nodes)))
+        count += len(nodes)
     points = np.zeros((len(mesh.points), 3))
     points[:, : mesh.points.shape[1]] = mesh.points
     return FoundMesh(
         np.arange(len(points)),
         points,
         {kind: np.concatenate(found) for kind, found in elements.items()},
+        {kind: np.concatenate(found) for kind, found in numbers.items()},
         _sets(mesh, kinds),
     )
 

@@ -11,11 +11,10 @@ from functools import cached_property
 
 import basix
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.mesh.from_gmsh import MeshArrays
+from fenics_contact.mesh.soundness.neighbours import connected_pieces
 from fenics_contact.mesh.survey.shapes import Shape, shape_of
 from fenics_contact.mesh.tagged_mesh import Group, Relation
 
@@ -137,21 +136,10 @@ class _Look:
         sides = np.array(basix.topology(kind)[self._dimension - 1])
         self._corners = mesh.cells[:, : len(basix.topology(kind)[0])]
         self._middles = self._points[self._corners].mean(axis=1)
-        self._pieces = self._connected()
+        self._pieces = connected_pieces(self._corners, len(self._points))
         of_cells = self._corners[:, sides].reshape(-1, sides.shape[1])
         self._owner = np.repeat(np.arange(len(self._corners)), len(sides))
         self._match(of_cells, mesh.facets[:, : sides.shape[1]])
-
-    def _connected(self) -> Integers:
-        """The connected piece of each cell, in their order."""
-        count = self._corners.shape[1]
-        rows = np.repeat(self._corners[:, 0], count)
-        links = (np.ones(rows.size), (rows, self._corners.ravel()))
-        graph = coo_array(links, shape=(len(self._points), len(self._points)))
-        _, of_point = connected_components(graph, directed=False)
-        found = of_point[self._corners[:, 0]]
-        _, first, inverse = np.unique(found, return_index=True, return_inverse=True)
-        return np.argsort(np.argsort(first))[inverse]
 
     def _match(self, of_cells: Integers, facets: Integers) -> None:
         """Which cells the facets are sides of, and which sides of cells are no facets."""

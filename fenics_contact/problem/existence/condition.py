@@ -72,6 +72,7 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
     motions = tuple(named_motions(problem, rigid))
     if problem.inertia is not None:  # what loads do not hold, they move
         return FreeMotion(len(motions), 0.0, "none: bodies move", motions)
+    _require_something(problem, rigid)
     earlier = [t for t in times_to_judge(problem.scene, problem.can_pair_anew) if t < last]
     for time in earlier:
         problem.set_time(time)
@@ -86,6 +87,21 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
         rigid = RigidMotions(problem)
     found = _at_present(problem, rigid)
     return replace(found, modes=len(motions), motions=motions, stabilised=stabilised)
+
+
+def _require_something(problem: Problem, rigid: RigidMotions) -> None:
+    """Anything holds the bodies, touches them or acts on them.
+
+    Raises:
+        NoEquilibriumError: Nothing does, so that there is nothing to be found.
+    """
+    scene = problem.scene
+    if not (scene.support or scene.symmetry or scene.contact or scene.preload or rigid.force_size):
+        notes = "".join(f"; {note}" for note in problem.body.notes)
+        raise NoEquilibriumError(
+            "no equilibrium: the scene has neither a support nor a contact nor a load, and leaves "
+            f"nothing to be solved; add them{notes}"
+        )
 
 
 def _at_present(problem: Problem, rigid: RigidMotions) -> FreeMotion:

@@ -82,7 +82,7 @@ class Look:
         bodies: In order.
         surfaces: In order.
         pairs: In order.
-        relations: How the bodies lie, in sentences.
+        relations: How the bodies lie, and what looks wrong in the file, in sentences.
         scene: The text of the scene that is proposed.
         commands: That come next.
         cells: Of the mesh that is shown.

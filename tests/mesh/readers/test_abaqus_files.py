@@ -112,6 +112,48 @@ def test_sets_of_shells_are_facets(folder):
     assert [area(body, name) for name in ("skin", "Under")] == pytest.approx([1 / 3, 1 / 3])
 
 
+def test_faces_of_shells_have_the_names_of_both_programs(folder):
+    """CalculiX calls them S1 and S2; both are the side of the solid that the shell covers."""
+    block = Block("hexahedron")
+    skin = "".join(
+        f"{number}, {', '.join(str(node + 11) for node in nodes)}\n"
+        for number, nodes in enumerate(block.facets(2, 0), 901)
+    )
+    more = f"*ELEMENT, TYPE=S4, ELSET=skin\n{skin}"
+    more += "".join(f"*SURFACE, NAME={name}\nskin, {name}\n" for name in ("S1", "S2", "SPOS"))
+    body = load_body(write(folder, inp(block, "C3D8") + more, "s.inp"), 3, COMM)
+    assert [area(body, name) for name in ("S1", "S2", "SPOS")] == pytest.approx([2, 2, 2])
+    assert body.notes == ()
+
+
+def test_gmsh_calls_all_plane_elements_by_one_name(folder):
+    """Its .inp files have CPS cells whatever the model: that says nothing."""
+    text = inp(Block("quadrilateral"), "CPS4")
+    assert load_body(write(folder, text, "a.inp"), 2, COMM).kinematics == {"plane stress": "CPS4"}
+    text = text.replace("*ELEMENT", "******* E L E M E N T S *************\n*ELEMENT", 1)
+    assert load_body(write(folder, text, "b.inp"), 2, COMM).kinematics == {}
+
+
+def test_contact_surfaces_of_nastran(folder):
+    """Sides of solids by three of their corners, with and without lines that go on."""
+    for order in (1, 2):
+        block = Block("hexahedron", order)
+        text = bdf(block, "CHEXA")
+        sides = [
+            ",".join(str(int(n)) for n in (cell + 101, *(block.cells[cell][[4, 5, 6]] + 11)))
+            for cell, face in block.sides(2, 1)
+        ]
+        card = "BSURFS,7,,,,"
+        card += sides[0] + "".join(f"\n+,{one}" for one in sides[1:])
+        body = load_body(
+            write(folder, text.replace("ENDDATA", f"{card}\nENDDATA"), "n.bdf"), 3, COMM
+        )
+        assert area(body, "BSURFS.7") == pytest.approx(2)
+        assert body.notes == ()
+        (note,) = load_body(write(folder, text, "m.bdf"), 3, COMM).notes
+        assert "names no surface" in note and note.endswith("on the sides of solids")
+
+
 def test_meshes_of_several_formats_in_one_body(folder):
     block = Block("hexahedron")
     files = {

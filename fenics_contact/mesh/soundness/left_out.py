@@ -1,0 +1,92 @@
+"""What of a file is no part of the model, or is wanting, and is said rather than passed over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.arrays import Integers
+from fenics_contact.mesh.readers.element_kinds import dimension_of_name
+
+# How files name the sides of cells, by their kind.
+_SURFACES = {
+    "inp": "*SURFACE or *NSET",
+    "bdf": "BSURFS, or shells (CQUAD4, CTRIA3) with a property of their own on the sides of solids",
+    "med": "groups of faces or of nodes; in the plane of edges",
+    "msh": "physical groups of surfaces; in the plane of curves",
+    "vtu": "cells of one dimension less, numbered by integer cell data",
+    "xdmf": "cells of one dimension less, numbered by integer cell data",
+}
+
+
+def no_surface(kind: str) -> str:
+    """A sentence, without its full stop, on a file that names no surface.
+
+    Args:
+        kind: Of the file, such as ``bdf``.
+    """
+    return (
+        "names no surface, so that no contact, support or load can be put on one; add them to the "
+        f"file: {_SURFACES[kind]}"
+    )
+
+
+def left_out(
+    read: Mapping[str, Any],
+    description: Mapping[str, Any],
+    dimension: int,
+    facet_kind: int,
+    outside: Mapping[int, int],
+) -> tuple[str, ...]:
+    """A sentence, without its full stop, on elements that are neither cells nor sides of cells.
+
+    Of Gmsh's files only those that stand in groups count: it saves lines and surfaces of its own.
+
+    Args:
+        read: Arrays of the process that has read the file.
+        description: Its description.
+        dimension: Of the model.
+        facet_kind: Gmsh's type of the sides of the cells.
+        outside: Part of the boundary → how many of its facets are no sides of cells.
+    """
+    counts: dict[str, int] = {}
+    for name, parts in _elements(read, description, dimension).items():
+        kind = int(name)
+        if kind == facet_kind:
+            count = sum(outside.get(int(part), 0) for part in np.unique(parts))
+        else:
+            count = len(parts)
+        if count:
+            counts[description["types"][name]] = count
+    if not counts:
+        return ()
+    named = " and ".join(f"{count} of the type {name}" for name, count in counts.items())
+    return (
+        f"elements that are no sides of the cells are left out: {named}; only cells of dimension "
+        f"{dimension} are solved, so that shells, membranes, beams and trusses resist nothing here",
+    )
+
+
+def _elements(
+    read: Mapping[str, Any], description: Mapping[str, Any], dimension: int
+) -> dict[str, Integers]:
+    """Parts of the elements below the model's dimension by Gmsh's type, of those that count."""
+    if description.get("lists_once"):
+        return {
+            name: read[f"parts_{name}"][read[f"numbers_{name}"] > 0]
+            for name, called in description["types"].items()
+            if dimension_of_name(called) in range(1, dimension)
+        }
+    named = [
+        part
+        for group in description["groups"]
+        if group["dimension"] == dimension - 1
+        for part in group["parts"]
+    ]
+    return {
+        name: read[f"parts_{name}"][np.isin(read[f"parts_{name}"], named)]
+        for name, called in description["types"].items()
+        if dimension_of_name(called) == dimension - 1
+    }
