@@ -1,11 +1,14 @@
 """How quantities scatter about smooth functions, as edges move through elements.
 
-Functions of the load where the load moves the edges, else of what does (``edge_shift``).
+Functions of the load where the load moves the edges, else of what does (``edge_shift``). Where a
+gap closes, or all that touches begins to slip, an edge comes up or leaves the surface: quantities
+then have a kink on any mesh, which says nothing of this one. So loads count from the last of these.
 """
 
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Sequence
+from itertools import takewhile
 
 import numpy as np
 
@@ -46,6 +49,8 @@ _DEGREE = 3
 _ENOUGH = _DEGREE + 1 + 2
 # Of the last load step, at the most.
 _OF_A_STEP = 0.95
+# How often a span is made shorter, at the most, to begin behind a kink; of an area, next to none.
+_SHORTER, _NONE = 3, 1e-9
 
 
 def load_scatter(
@@ -70,9 +75,11 @@ def load_scatter(
     if not any(contact.is_one_sided or contact.friction.rubs for contact in problem.contacts):
         return dict.fromkeys(answer, 0.0)
     assert load_steps.last is not None
+    edges = edges_inside(problem, load_steps.last.solution)
+    if not edges:
+        return dict.fromkeys(answer, 0.0)
     pairs = zip(problem.contacts, load_steps.last.solution.states, strict=True)
     spans = _spans(load_steps, piece_share(pairs), [time for time, _ in recorded])
-    edges = edges_inside(problem, load_steps.last.solution)
     looked_at = [(span, _over(span, load_steps, measure, recorded, edges)) for span in spans]
     still = standing(edges, [found for _, found in looked_at[0][1]])
     found = []
@@ -125,14 +132,47 @@ def _over(
     recorded: Sequence[tuple[float, Quantities]],
     edges: Sequence[Edge],
 ) -> list[tuple[float, Quantities]]:
-    """Pseudo-times and quantities in a span, of load steps if these are many there; collective."""
+    """Pseudo-times and quantities in a span, of load steps if these are many there; collective.
+
+    Behind the last kink in it, if enough can be found there.
+    """
     assert load_steps.last is not None
     last = recorded[-1][0]
     rows = [(time, found) for time, found in recorded if time >= last - span]
+    rows = _behind_kinks(load_steps.problem, rows)
     if len(rows) >= _ENOUGH:
         return rows
     answer = measure(load_steps.last.solution)  # of works, not summed over steps
-    return [(last, answer), *_solved(load_steps, measure, last - span, edges)]
+    every = rows = [(last, answer), *_solved(load_steps, measure, last - span, edges)]
+    for _ in range(_SHORTER):
+        kept = _behind_kinks(load_steps.problem, rows)
+        if len(kept) == len(rows) or len(kept) >= _ENOUGH:
+            return kept
+        span = last - min(time for time, _ in kept) or span / _LOADS
+        rows = [(last, answer), *_solved(load_steps, measure, last - span, edges)]
+    return every
+
+
+def _behind_kinks(
+    problem: Problem, rows: Sequence[tuple[float, Quantities]]
+) -> list[tuple[float, Quantities]]:
+    """Of pseudo-times and quantities those from the last to the first that have all its edges."""
+    ordered = sorted(rows, key=lambda row: -row[0])
+    wanted = _zones(problem, ordered[0][1])
+    return list(takewhile(lambda row: _zones(problem, row[1]) == wanted, ordered))
+
+
+def _zones(problem: Problem, found: Quantities) -> list[bool]:
+    """Of each contact, whether it touches, does so all over, and sticks somewhere."""
+    flags = []
+    for number, contact in enumerate(problem.contacts):
+        touches, sticks = (
+            float(np.linalg.norm(found.get((number, name), 0.0)))
+            for name in ("contact_area", "stick_area")
+        )
+        whole, least = contact.trace.area, _NONE * contact.trace.area
+        flags += [touches > least, touches >= whole - least, sticks > least]
+    return flags
 
 
 def _solved(

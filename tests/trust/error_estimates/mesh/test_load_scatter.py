@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
-from fenics_contact import Contact, HalfSpace, Material, MeshSource, Obstacle, Scene, run
+from fenics_contact import Contact, HalfSpace, Material, MeshSource, Obstacle, Scene, Support, run
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.errors
@@ -44,3 +46,31 @@ def test_bars_of_a_force_hold_where_a_contact_is_one_to_four_cells_wide():
         ratios.append(result.errors["normal_force"]["total"] / error)
     assert min(ratios) > 1, ratios
     assert np.median(ratios) < 4
+
+
+def over_a_gap(comm=MPI.COMM_WORLD):
+    """Two confined blocks drawn .1 apart, with an interference that is .001 more."""
+    parts = (
+        Box("body", (0.0, -1.0), (1.0, 0.0), (3, 3)),
+        Box("upper", (0.0, 0.1), (1.0, 1.1), (4, 4)),
+    )
+    sides = [f"{name}.x{side}" for name in ("body", "upper") for side in (0, 1)]
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(E, NU),
+        support=(
+            *(Support(side, {"x": 0.0}) for side in sides),
+            *(Support(side, {"y": 0.0}) for side in ("body.y0", "upper.y1")),
+        ),
+        contact=(Contact("upper.y0", against="body.y1", interference=0.101),),
+    )
+    return run(scene, comm, boxes(parts, "quadrilateral", comm))
+
+
+def test_a_gap_that_closes_on_the_way_makes_no_bar_longer():
+    """Two columns that are kept from widening: p = M δ / 2, M = E (1 − ν)/((1 + ν)(1 − 2ν))."""
+    result = over_a_gap()
+    exact = E * (1 - NU) / ((1 + NU) * (1 - 2 * NU)) * 0.001 / 2
+    error = abs(result.quantities["pressure_integral"] - exact)
+    assert error <= result.errors["pressure_integral"]["total"] < 2e-3 * exact
+    assert result.errors["strain_energy"]["total"] < 5e-3 * result.quantities["strain_energy"]
