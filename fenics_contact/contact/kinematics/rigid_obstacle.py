@@ -74,8 +74,11 @@ class RigidObstacle:
 
     @property
     def size(self) -> float:
-        """Largest of the lengths that place it (length)."""
-        return float(np.linalg.norm(self._apex)) + (self._obstacle.radius or 0.0)
+        """Largest of the lengths by which gaps to it are found (length).
+
+        Its radius is none: however large, gaps are as right as those to a plane.
+        """
+        return float(np.linalg.norm(self._apex))
 
     def number(self, name: str, axis: int) -> float:
         """Its radius, a coordinate of its position (length), or of a direction as it is given."""
@@ -179,14 +182,17 @@ class RigidObstacle:
         return np.where(towards, 2 * c / np.where(towards, divisor, 1.0), np.inf)
 
     def _to_sphere(self, offsets: Array, rays: Array) -> Array:
-        """First entry into |x − centre| ≤ R; overlaps deeper than R are no contact."""
+        """First entry into |x − centre| ≤ R; overlaps deeper than R are no contact.
+
+        All is taken over R, and from the apex: of a large radius the centre is so far away that
+        distances from it tell nothing of the gap.
+        """
         radius = self._radius
         assert radius is not None
-        to_centre = -radius * self._normal - offsets
-        along = np.einsum("ij,ij->i", to_centre, rays)
+        along = -(rays @ self._normal) - np.einsum("ij,ij->i", offsets, rays) / radius
         lengths = np.einsum("ij,ij->i", rays, rays)
-        outside = np.einsum("ij,ij->i", to_centre, to_centre) - radius**2
-        discriminant = along**2 - lengths * outside
+        outside = 2 * offsets @ self._normal + np.einsum("ij,ij->i", offsets, offsets) / radius
+        discriminant = along**2 - lengths * (outside / radius)
         hit = (discriminant >= 0) & (along > 0)
         # The stable form of (along − √discriminant) / lengths.
         divisor = along + np.sqrt(np.where(hit, discriminant, 0.0))

@@ -197,3 +197,35 @@ def test_cylinder_in_a_bore(obstacle):
     assert result.passed
     assert result.quantities["pressure_integral"] == pytest.approx(2 * np.pi * pressure, rel=1e-3)
     assert result.quantities["normal_force"] is None  # it pushes all around
+
+
+@pytest.mark.parametrize("radius", [1e10, 1e15, 1e60])
+@pytest.mark.parametrize("shape", ["paraboloid", "sphere", "parabola", "cylinder"])
+def test_of_a_large_radius_a_surface_is_its_plane(shape, radius):
+    """Where rays meet it, it is off that by ρ²/2R, over the cosine to the rays."""
+    along = (0, 1, 0) if shape in ("parabola", "cylinder") else None
+    points, normals = random_rays()
+    place = (0.2, 0, 0.5)
+    curved = Obstacle(shape, radius=radius, normal=(0, 0, -1), position=place, along=along)
+    found = gap_of(curved, points, normals)[0]
+    flat = gap_of(Obstacle("plane", normal=(0, 0, -1), position=place), points, normals)[0]
+    steep = normals[:, 2] / np.linalg.norm(normals, axis=1) > 0.3
+    assert steep.sum() > 150
+    assert found[steep] == pytest.approx(flat[steep], rel=1e-14, abs=1e3 / radius)
+
+
+@pytest.mark.parametrize("shape", ["cylinder", "parabola"])
+def test_under_a_surface_of_a_large_radius_a_block_is_pressed_as_under_a_plane(shape):
+    def force(obstacle):
+        scene = Scene(
+            kinematics="plane strain",
+            material=Material(1000, 0.3),
+            support=(Support("y0", {"x": 0, "y": 0}),),
+            contact=(Contact("y1", obstacle=obstacle),),
+        )
+        return run(scene, body=box_body((3, 2), (1, 1))).quantities["normal_force"]
+
+    where = {"position": (0.5, 1), "normal": (0, -1), "indentation": 0.01}
+    curved = force(Obstacle(shape, radius=1e15, **where))
+    assert curved == pytest.approx(force(Obstacle("plane", **where)), rel=1e-9)
+    assert curved > 1
