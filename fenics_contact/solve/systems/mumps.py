@@ -76,6 +76,15 @@ def failure(factor: PETSc.Mat) -> FenicsContactError | None:
     )
 
 
+def wants_workspace(factor: PETSc.Mat) -> bool:
+    """Whether a factorisation failed for a workspace that may be made larger.
+
+    Args:
+        factor: PETSc's matrix of the factors.
+    """
+    return factor.getMumpsInfog(1) in _SMALL_WORKSPACE
+
+
 def failure_of(preconditioner: PETSc.PC) -> FenicsContactError | None:
     """The same of a preconditioner, None where it is not one of MUMPS."""
     if preconditioner.getType() not in ("lu", "cholesky"):

@@ -11,6 +11,7 @@ from collections.abc import Hashable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, ReactionRecord, SupportRecord
 from fenics_contact.results.records.record import Quantities
@@ -167,7 +168,8 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     found, notes = estimates.all()
     last = load_steps.last
     unbounded = Unbounded(problem, last.solution, last.unknowns.time)
-    rows, why = unbounded.strip({key: row_of(key, found) for key in answer}, answer)
+    rows = {key: row_of(key, found) for key in answer} | _given(problem)
+    rows, why = unbounded.strip(rows, answer)
     notes += dict.fromkeys(why.values())
     if len(steps) > 1:  # what is measured is that of the last forces alone
         every = {key: row for key, row in rows.items() if isinstance(key, str)}
@@ -176,6 +178,15 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
         rows["external_work"] = _of_work(every, defect, none)
     budget = ErrorBudget.of_rows(rows, len(problem.contacts), len(problem.applied_supports))
     return replace(budget, notes=notes, unbounded=why, local=estimates.local)
+
+
+def _given(problem: Problem) -> dict[Hashable, Row]:
+    """Of preloads that are tightened to a force at the end: it is given, and has no error."""
+    return {
+        OfPreload(preload.scene.label, "force"): dict.fromkeys((*SOURCES, "total"), 0.0)
+        for preload in problem.preloads
+        if not preload.is_locked
+    }
 
 
 def row_of(key: Hashable, found: Mapping[str, Errors]) -> Row:

@@ -404,7 +404,7 @@ def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
 
     if COMM.rank == COMM.size - 1:
         monkeypatch.setattr(local_factor, "_factorised_by_mumps", without_memory)
-        monkeypatch.setattr(local_factor, "_SPARE_WORKSPACE", -90)
+        monkeypatch.setattr(local_factor, "_SPARE_WORKSPACE", (-90, -80))
     scene = with_solver(pressed(), solver="condensed")
     with pytest.raises(MachineError, match="MUMPS"):
         Run(scene, COMM, box_body((40, 40), (1, 1))).solve()

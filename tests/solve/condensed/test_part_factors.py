@@ -6,10 +6,13 @@ import itertools
 import numpy as np
 import pytest
 from mpi4py import MPI
-from scipy.sparse import block_diag, csr_matrix
+from scipy.sparse import block_diag, csr_matrix, diags, identity, kron
 
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Study, Support, run
+from fenics_contact.solve.condensed.bulk import local_factor
+from fenics_contact.solve.condensed.bulk.local_factor import LocalFactor
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors, RankFactor
+from fenics_contact.solve.systems import mumps
 from fenics_contact.verification.block_pair import block
 
 COMM = MPI.COMM_WORLD
@@ -180,3 +183,24 @@ def test_several_right_hand_sides_are_solved_as_one_by_one(count):
     assert np.abs(left[:, inside]).max() < 1e-12
     assert factor.solve(np.zeros((0, size))).shape == (0, size)
     factor.destroy()
+
+
+def test_a_workspace_that_is_too_small_is_made_larger(monkeypatch):
+    """As of a mean stress, where the units decide by how much more is taken than foreseen."""
+    laplacian = csr_matrix(diags([-1.0, 2.1, -1.0], [-1, 0, 1], shape=(40, 40)))
+    stiffness = csr_matrix(kron(laplacian, identity(40)) + kron(identity(40), laplacian))
+    chosen, kept = mumps.fastest(True, stiffness.shape[0]), np.arange(3)
+    expected = LocalFactor(stiffness, kept, chosen)
+    tried = []
+
+    def failure(factor):
+        tried.append(factor.getMumpsIcntl(14))
+        return plain(factor)
+
+    plain = mumps.failure
+    monkeypatch.setattr(mumps, "failure", failure)
+    monkeypatch.setattr(local_factor, "_SPARE_WORKSPACE", (-90, 50))
+    found = LocalFactor(stiffness, kept, chosen)
+    assert found.error is None
+    assert tried == [-90, 50]
+    np.testing.assert_allclose(found.schur, expected.schur)
