@@ -22,10 +22,12 @@ from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,
     Change,
+    Look,
     Measure,
     Quantities,
     Visit,
     differences,
+    seen,
     steps_again,
 )
 
@@ -57,7 +59,8 @@ class CoarseHistory:
         self._answer = measure(load_steps.last.solution)
         self._first, self._ends = load_steps.ends or {}, dict[float, StepEnd]()
         self._coarse = [_thinned(part) for part in parts]
-        self._found = self._along(self._coarse, self._first, kept=self._ends)
+        self._displacement = load_steps.last.solution.displacement
+        self._found = self._along(self._coarse, self._first, kept=self._ends, look=self._keep)
 
     @staticmethod
     def pays(parts: Parts) -> bool:
@@ -72,10 +75,14 @@ class CoarseHistory:
         every, own = (sum(map(len, parts)) for parts in (self._parts, self._coarse))
         return Again(
             self._found,
-            lambda change: self._along(self._coarse, self._ends, change),
+            self._displacement,
+            lambda change, look: self._along(self._coarse, self._ends, change, look=look),
             every / own,
             lambda visit: self._along(self._coarse, self._ends, visit=visit),
         )
+
+    def _keep(self, solution: Solution) -> None:
+        self._displacement = solution.displacement.copy()
 
     def step_errors(self) -> Errors | None:
         """Estimated errors of the history by its load steps; collective.
@@ -132,12 +139,13 @@ class CoarseHistory:
         change: Change | None = None,
         kept: dict[float, StepEnd] | None = None,
         visit: Visit | None = None,
+        look: Look | None = None,
     ) -> Quantities | None:
         """Quantities at the end of other load steps, which begin at known ends; collective."""
         times = [time for part in parts for time in part]
         path = _NearPath(times, near)
         calls = (change, path.solve, kept, visit)
-        return steps_again(self._load_steps, self._measure, times, *calls)
+        return steps_again(self._load_steps, seen(self._measure, look), times, *calls)
 
 
 class _NearPath:

@@ -15,6 +15,7 @@ from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.coarse_history import CoarseHistory
 from fenics_contact.trust.error_estimates.half_space import domain_errors
+from fenics_contact.trust.error_estimates.held_back import TOO_STIFF
 from fenics_contact.trust.error_estimates.load_steps import between_turns, step_errors
 from fenics_contact.trust.error_estimates.losses_of_cycles import OfCycles, without_losses
 from fenics_contact.trust.error_estimates.measured import Measured, recorded
@@ -182,7 +183,7 @@ class Estimates:
         last = Again.of_last_step(self._load_steps, self._measure, roughly=True)
         again = (self._again if self._takes_history("penalty") else None) or last
         drawn = again if self._takes_all else last
-        calls = (self._load_steps, self._measure, rows, again, drawn)
+        calls = (self._load_steps, self._measure, rows, again, drawn, self._notes)
         found, self.local = mesh_errors(*calls)
         if found is not None:
             for key, error in self._shared().items():
@@ -190,7 +191,8 @@ class Estimates:
                     found[key] += error
         if found is not None and again.walk is None:
             found = without_losses(found)
-        if found is not None and "max_contact_pressure" not in found:
+        is_told = TOO_STIFF in self._notes
+        if found is not None and "max_contact_pressure" not in found and not is_told:
             self._notes.append(
                 "The largest contact pressure has no error bar: cells are too coarse there, or it "
                 "grows with every refinement, as under a corner of an obstacle."

@@ -104,7 +104,7 @@ def _parameter_errors(
 ) -> Errors | None:
     found = None
     for left in (_LEFT, _LEFT**2):
-        other = again.changed(partial(reduce, left))
+        other = again.changed(partial(reduce, left), None)
         if other is None:
             return found
         # At leading order all is 1 / (1 − left) of what is gone; beyond it, as little more.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.quantities import QuantityValue
@@ -31,6 +32,8 @@ _ENOUGH, _ROUGHEST = 1e-2, 1e-4
 Quantities = Mapping[Hashable, QuantityValue]
 Measure = Callable[[Solution], Quantities]
 Change = Callable[[Problem], None]
+# Called with an answer, in its state.
+Look = Callable[[Solution], None]
 # Called with pseudo-time and solution of each load step that is taken again, in its state.
 Visit = Callable[[float, Solution], None]
 
@@ -41,14 +44,17 @@ class Again:
 
     Attributes:
         answer: Quantities without the change.
-        changed: Those with it; None where they are not found; collective.
+        displacement: Of that answer at the nodes, (nodes, components) (length).
+        changed: Quantities with a change; what is to be called with that answer besides, if
+            anything. None where it is not found; collective.
         stands_for: Load steps of the history over those that are taken again: of each of these a
             point creeps anew.
         walk: Takes the load steps again without a change; None of the last one alone; collective.
     """
 
     answer: Quantities
-    changed: Callable[[Change], Quantities | None]
+    displacement: Array
+    changed: Callable[[Change, Look | None], Quantities | None]
     stands_for: float = 1.0
     walk: Callable[[Visit], object] | None = None
 
@@ -63,7 +69,11 @@ class Again:
         """
         answer = measure(_answer(load_steps))
         return cls(
-            answer, lambda change: last_step_again(load_steps, measure, change, roughly=roughly)
+            answer,
+            _answer(load_steps).displacement,
+            lambda change, look: last_step_again(
+                load_steps, seen(measure, look), change, roughly=roughly
+            ),
         )
 
     @classmethod
@@ -78,9 +88,27 @@ class Again:
         answer = measure(_answer(load_steps))
         return cls(
             answer,
-            lambda change: steps_again(load_steps, measure, times, change),
+            _answer(load_steps).displacement,
+            lambda change, look: steps_again(load_steps, seen(measure, look), times, change),
             walk=lambda visit: steps_again(load_steps, measure, times, visit=visit),
         )
+
+
+def seen(measure: Measure, look: Look | None) -> Measure:
+    """Measures answers, and shows them besides.
+
+    Args:
+        measure: As of ``last_step_again``.
+        look: Is called with each answer, in its state; None for nothing.
+    """
+    if look is None:
+        return measure
+
+    def measured(solution: Solution) -> Quantities:
+        look(solution)
+        return measure(solution)
+
+    return measured
 
 
 class AlongLine:

@@ -33,6 +33,7 @@ from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.quantity_names import LossOfCycle, OfPreload, Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.error_estimates.held_back import TOO_STIFF, HeldBack
 from fenics_contact.trust.error_estimates.losses_of_cycles import OfCycles
 from fenics_contact.trust.error_estimates.mesh.followed_loads import FollowedLoads, drawn_forces
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
@@ -83,6 +84,7 @@ def mesh_errors(
     recorded: Sequence[tuple[float, Quantities]],
     again: Again,
     drawn: Again | None = None,
+    notes: list[str] | None = None,
 ) -> tuple[dict[Hashable, float] | None, LocalErrors | None]:
     """Estimated errors of the last load step's quantities by the mesh; collective.
 
@@ -93,11 +95,13 @@ def mesh_errors(
         recorded: Pseudo-time and quantities of every load step.
         again: How answers under further forces are found, from the start or of the last step.
         drawn: The same of forces of which signs are drawn, where another way is shorter.
+        notes: Gets a sentence where the mesh is too stiff for an estimate.
 
     Returns:
         By those keys: absolute, of vectors the length of the difference; without peaks of pressure
         that may have no bound. And the local errors they come from. None for the first where a
-        solve for it failed.
+        solve for it failed. What a mesh hides that is too stiff (``held_back``) is left out, but
+        where meshes are made for an accuracy, to which it is enough.
     """
     problem = load_steps.problem
     if load_steps.last is None:
@@ -107,7 +111,8 @@ def mesh_errors(
     local = LocalErrors(problem)
     followed = FollowedLoads(load_steps, local, again, _DRAWS)
     local.solve(BulkForces(problem, solution), load_steps.time)
-    changes = _changes(load_steps, local, followed, again, drawn or again)
+    held = HeldBack(problem, solution, again.displacement)
+    changes = _changes(load_steps, local, followed, again, drawn or again, held)
     scatter = load_scatter(load_steps, measure, recorded)
     curved = geometry_errors(load_steps, measure)
     torn = torn_errors(load_steps, measure)
@@ -128,16 +133,22 @@ def mesh_errors(
     losses = [key for key in whole if isinstance(key, LossOfCycle)]
     unseen = of_cycles.of_swings(unseen, losses)
     doubt = _doubt(problem, solution)
-    found = {}
+    found, hidden = {}, []
     for key in whole.keys() & scatter.keys() & curved.keys() & torn.keys() & points.keys():
         at_contact = at_contacts.get(key, 0.0)
         if at_contact is None:
             continue
-        of_cells = _LOCAL[problem.spaces.degree] * max(whole[key], at_random[key])
+        change = max(whole[key], at_random[key])
+        if problem.scene.accuracy is None and held.hides(change, recorded[-1][1][key]):
+            hidden.append(key)
+            continue
+        of_cells = held.all_steps * _LOCAL[problem.spaces.degree] * change
         of_mesh = float(np.hypot(of_cells + _SCATTER * scatter[key], at_contact))
         leading = of_mesh + _CURVED * curved[key]
         in_full = torn[key] + points[key] + pinned.get(key, 0.0) + unseen.get(key, 0.0)
         found[key] = doubt * leading + in_full
+    if hidden and notes is not None:
+        notes.append(TOO_STIFF)
     return found, local
 
 
@@ -171,9 +182,17 @@ def _energies(answer: Quantities, error: float) -> dict[Hashable, float]:
 
 
 def _changes(
-    load_steps: LoadSteps, local: LocalErrors, followed: FollowedLoads, again: Again, drawn: Again
+    load_steps: LoadSteps,
+    local: LocalErrors,
+    followed: FollowedLoads,
+    again: Again,
+    drawn: Again,
+    held: HeldBack,
 ) -> tuple[dict[Hashable, float], dict[Hashable, float]] | None:
-    """What the local errors change, and what such errors would with signs at random; collective."""
+    """What the local errors change, and what such errors would with signs at random; collective.
+
+    The first of these says how much the mesh holds the body back.
+    """
     found = []
     last = drawn_forces(local, _DRAWS)
     every = followed.every([forces for forces, _ in last])
@@ -181,7 +200,7 @@ def _changes(
     for number, (forces, (_, along)) in enumerate(zip(every, last, strict=True)):
         disturb = partial(_disturb, followed.along(forces), along, load_steps.time)
         way = drawn if number else again
-        change = differences(way.answer, way.changed(disturb))
+        change = differences(way.answer, way.changed(disturb, None if number else held.look))
         if change is None:
             return None
         for preload, more in zip(load_steps.problem.preloads, along, strict=True):
