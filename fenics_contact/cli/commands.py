@@ -35,6 +35,7 @@ from fenics_contact.scene.reading import load_scene
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.simulation.output.folder_lock import FolderLock
 from fenics_contact.simulation.restart.state_file import StateFile
 from fenics_contact.simulation.scene_run import Run
 
@@ -140,9 +141,12 @@ def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bo
     comm = MPI.COMM_WORLD
     settings = petsc_options.parse(options.petsc)
     files.require_writable(folder, comm)
+    lock = FolderLock(folder)
+    on_root(comm, lock.take)
     with petsc_options.given(settings, comm):
         with activity(scene.load_steps, comm, options.quiet, names_of(scene)) as announce:
             prepared = Run(scene, comm)
+            on_root(comm, lambda: lock.take(make=True))
             solve = _solve_steps if scene.accuracy is None else _solve_levels
             result = solve(prepared, folder, options.resume, announce)
         if isinstance(result, int):

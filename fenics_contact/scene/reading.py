@@ -21,6 +21,11 @@ from fenics_contact.scene.values import as_list
 
 _SMALLEST, _LARGEST = 1e-100, 1e100  # sizes of numbers that a scene may hold
 _DEEPEST = 20  # tables and lists within each other; a scene has half as many
+# A point without a digit on one of its sides, outside of quotes.
+_POINT = re.compile(
+    r"""(?P<quoted>"(?:[^"\\]|\\.)*"|'[^']*')"""
+    r"""|(?<![\w.])\.(?=\d)|(?P<last>(?<=\d)\.(?=[eE\s,\]}]|$))"""
+)
 _LONGEST = 2**26  # bytes of a scene file, which may be one without an end
 
 
@@ -244,13 +249,22 @@ def _lists() -> frozenset[str]:
 def value_of(text: str) -> Any:
     """The value that a setting gives: as in TOML, or a bare word, which is a text.
 
-    >>> value_of("5e-3"), value_of("[1, 0]"), value_of("static")
-    (0.005, [1, 0], 'static')
+    Numbers may begin or end with their point, as on calculators.
+
+    >>> value_of("5e-3"), value_of("[1, -.5]"), value_of("static"), value_of("{ x = .4 }")
+    (0.005, [1, -0.5], 'static', {'x': 0.4})
     """
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except (ValueError, RecursionError):
-        return text.strip()
+    for one in (text, _POINT.sub(_with_zero, text)):
+        try:
+            return tomllib.loads(f"value = {one}")["value"]
+        except (ValueError, RecursionError):
+            continue
+    return text.strip()
+
+
+def _with_zero(found: re.Match[str]) -> str:
+    """A point of a number with the 0 that TOML wants beside it; quoted texts as they are."""
+    return found["quoted"] or (".0" if found["last"] else "0.")
 
 
 def keys_of(path: str) -> list[str]:

@@ -15,6 +15,7 @@ from fenics_contact import main, run
 from fenics_contact.cli import program as cli
 from fenics_contact.scene import reading as loader
 from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.simulation.output.folder_lock import FolderLock
 from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
@@ -348,3 +349,19 @@ def test_script_takes_out_and_no_pictures(folder, capsys):
     assert cli.run_script(scene, "unused", arguments=["--out", str(out), "--no-pictures"]) == 0
     assert (out / "result.json").exists()
     assert not list(out.glob("*.png"))
+
+
+@pytest.mark.serial
+def test_of_two_runs_in_one_folder_the_second_is_refused(tmp_path, capsys):
+    """Both would write the same files; the first goes on, and whoever comes later may begin."""
+    scene, out = write(tmp_path, SCENE), tmp_path / "out"
+    first = FolderLock(out)
+    first.take(make=True)
+    command = ["run", scene, "--out", str(out), "--quiet"]
+    assert main(command) == 2
+    said = error_of(capsys)
+    assert said.count("\n") == 1 and "another run or sweep is being solved there" in said
+    assert list(out.iterdir()) == []
+    first.give_up()
+    assert main(command) == 0
+    assert (out / "result.json").exists()

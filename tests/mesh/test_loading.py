@@ -85,6 +85,25 @@ def test_slab_has_the_scenes_cells_and_order(cell, order):
     assert area(body, "left") == pytest.approx(2)
 
 
+def test_a_geometry_with_macros_has_parameters(folder):
+    """It is read for the names of its constants, and once more for the mesh."""
+    text = """DefineConstant[ w = 2 ];
+Macro Plate
+  Point(1) = {0, 0, 0}; Point(2) = {w, 0, 0}; Point(3) = {w, 1, 0}; Point(4) = {0, 1, 0};
+  Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+  Curve Loop(1) = {1:4}; Plane Surface(1) = {1};
+Return
+Call Plate;
+Physical Curve("top") = {3}; Physical Surface("block") = {1};
+"""
+    source = write(folder, text)
+    for given, width in (({}, 2), ({"w": 3}, 3)):
+        body = load_body(dataclasses.replace(source, parameters=given), 2, COMM)
+        assert area(body, "top") == pytest.approx(width)
+    wrong = dataclasses.replace(source, parameters={"v": 3})
+    assert "defines no such constant; it has: w" in refusal(wrong)
+
+
 def test_parameters_do_not_leak_from_one_mesh_to_the_next():
     load_body(MeshSource(SLAB, parameters={"cells_along": 3}), 2, COMM)
     body = load_body(MeshSource(SLAB), 2, COMM)

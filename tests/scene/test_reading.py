@@ -16,6 +16,7 @@ from fenics_contact import (
     load_scene,
 )
 from fenics_contact.scene import reference as scene_reference
+from fenics_contact.scene.reading import value_of
 from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
@@ -157,6 +158,31 @@ def test_overrides_replace_and_add_values(folder):
     assert isinstance(scene.contact[0].pressure, Profile)
     for key in ("accuracy.top.normal_force", 'accuracy."top.normal_force"'):
         assert load_scene(path, [f"{key}=1e-2"]).accuracy.of == {"top.normal_force": 0.01}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        (".4", 0.4),
+        ("-.4", -0.4),
+        ("+.4e-1", 0.04),
+        ("5.", 5.0),
+        ("2.e3", 2000.0),
+        ("[-.5, 1., .25]", [-0.5, 1.0, 0.25]),
+        ('{ along = "x.5", at = [.0, 8], values=[-.1,3.] }', "x.5"),
+    ],
+)
+def test_numbers_may_begin_or_end_with_their_point(text, value):
+    found = value_of(text)
+    if isinstance(found, dict):
+        assert found == {"along": value, "at": [0.0, 8], "values": [-0.1, 3.0]}
+    else:
+        assert found == value and type(found) is type(value)
+
+
+@pytest.mark.parametrize("text", [".", "../a.geo", "a.5", "v1.", ".geo", "1.2.3", '".5"', "..5"])
+def test_points_of_words_are_their_own(text):
+    assert value_of(text) == text.strip('"')
 
 
 @pytest.mark.parametrize("key", ["material.youngs_modulus", "material.0.youngs_modulus"])

@@ -8,6 +8,7 @@ It imports nothing that would start MPI.
 """
 
 import io
+import os
 import re
 import resource
 import signal
@@ -120,6 +121,7 @@ def _constants(file: str) -> list[str]:
     """Names of the variables of a geometry, found by reading it once."""
     gmsh.merge(file)
     names = list(gmsh.parser.getNames())
+    gmsh.open(os.devnull)  # that nothing else is open: Gmsh then forgets macros, too
     gmsh.clear()
     gmsh.parser.clear()
     gmsh.onelab.clear()  # it remembers the constants' own values and would restore them

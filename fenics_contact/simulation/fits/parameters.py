@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.sensitivities.values import found_in
+from fenics_contact.simulation.sensitivities.values import found_in, numbered
 
 # As a caller gives them: keys with bounds, None for none; or words such as ``KEY=LOW:HIGH``.
 Given = Mapping[str, tuple[float, float] | None] | Sequence[str]
@@ -49,20 +49,12 @@ def parameters_of(scene: Scene, given: Given) -> list[Parameter]:
     pairs = list(given.items()) if isinstance(given, Mapping) else [_read(word) for word in given]
     if not pairs:
         raise InputError("--parameters: name at least one key of the scene, such as KEY=LOW:HIGH")
-    pairs = [(_numbered(scene, key), bounds) for key, bounds in pairs]
+    pairs = [(numbered(scene, key), bounds) for key, bounds in pairs]
     keys = [key for key, _ in pairs]
     for key in keys:
         if keys.count(key) > 1:
             raise InputError(f"--parameters {key}: it is named twice")
     return [_parameter(scene, key, bounds) for key, bounds in pairs]
-
-
-def _numbered(scene: Scene, key: str) -> str:
-    """A key of a table that there is once, as files may write it, with the number of the entry."""
-    table, _, rest = key.partition(".")
-    entries = getattr(scene, table, None)
-    is_only = isinstance(entries, tuple) and len(entries) == 1
-    return f"{table}.0.{rest}" if is_only and not rest[:1].isdigit() else key
 
 
 def _parameter(scene: Scene, key: str, bounds: tuple[float, float] | None) -> Parameter:

@@ -25,7 +25,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import Indentation, Resultant
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Value
-from fenics_contact.simulation.sensitivities.values import found_in, unit_of, value_under
+from fenics_contact.simulation.sensitivities.values import found_in, numbered, unit_of, value_under
 
 _MODULI = ("youngs_modulus", "poissons_ratio")
 _WITH_EDGES = ("flat punch", "annular punch")
@@ -100,7 +100,7 @@ class SceneChanges:
             raise _refused(key, "it is no number")
         if key == "thickness":
             return self._of_thickness(float(value))
-        group, number, *rest = [*key.split("."), "", ""]
+        group, number, *rest = [*numbered(self.problem.scene, key).split("."), "", ""]
         rest = [name for name in rest if name]
         kinds = {
             "contact": self._of_contact,

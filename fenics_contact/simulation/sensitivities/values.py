@@ -17,7 +17,7 @@ def found_in(scene: Any, key: str) -> Any:
         InputError: There is no such key.
     """
     part: Any = scene
-    for name in key.split("."):
+    for name in numbered(scene, key).split("."):
         if dataclasses.is_dataclass(part) and name in {f.name for f in dataclasses.fields(part)}:
             part = getattr(part, name)
         elif (
@@ -29,6 +29,20 @@ def found_in(scene: Any, key: str) -> Any:
         else:
             raise InputError(f"by: '{key}': the scene has no such key")
     return part
+
+
+def numbered(scene: Any, key: str) -> str:
+    """A key of a table that there is once, as files may write it, with the number of the entry.
+
+    Args:
+        scene: A scene, or a part of it.
+        key: As of ``--set``: ``material.youngs_modulus`` is that of the only material.
+    """
+    table, _, rest = key.partition(".")
+    entries = getattr(scene, table, None)
+    if not isinstance(entries, tuple) or len(entries) != 1 or not rest or rest[0].isdigit():
+        return key
+    return f"{table}.0.{rest}" if dataclasses.is_dataclass(entries[0]) else key
 
 
 def numbers_of(part: Any, key: str = "") -> Iterator[str]:

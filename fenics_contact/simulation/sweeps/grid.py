@@ -153,7 +153,7 @@ def _within(whole: Sequence[str], part: Sequence[str]) -> bool:
 def _texts(piece: str, setting: str) -> list[str]:
     """The values of a piece between commas, as settings have them."""
     if not _LIKE_RANGE.match(piece):
-        return [_in_toml(piece.strip())]
+        return [piece.strip()]
     found = _RANGE.fullmatch(piece)
     if found is None or int(found[3]) < 2:
         raise InputError(
@@ -163,7 +163,7 @@ def _texts(piece: str, setting: str) -> list[str]:
     start, end, count = found[1], found[2], int(found[3])
     if count > MOST:
         raise InputError(f"--vary {setting}: these are {count:,} values, and {MOST:,} are the most")
-    return _range(_in_toml(start), _in_toml(end), count)
+    return _range(start, end, count)
 
 
 def _range(start: str, end: str, count: int) -> list[str]:
@@ -175,12 +175,6 @@ def _range(start: str, end: str, count: int) -> list[str]:
         return [str(first + step * number) for number in range(count)]
     inner = np.linspace(float(first), float(last), count)[1:-1].tolist()
     return [start, *(repr(float(f"{value:.{_FIGURES}g}")) for value in inner), end]
-
-
-def _in_toml(text: str) -> str:
-    """A number such as .5, to which TOML wants a 0 before the point; other texts as they are."""
-    is_number = re.fullmatch(_NUMBER, text) is not None
-    return repr(float(text)) if is_number and isinstance(value_of(text), str) else text
 
 
 def _split(text: str) -> list[str]:

@@ -25,7 +25,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.atomic_files import append, make_folder, replace_file, replaced_file
 from fenics_contact.common.errors import InputError, MachineError, StoppedError
 from fenics_contact.results.records.record import plain
-from fenics_contact.simulation.sweeps.folder_lock import FolderLock
+from fenics_contact.simulation.output.folder_lock import FolderLock
 from fenics_contact.simulation.sweeps.tables import clear
 
 logger = logging.getLogger(__name__)

@@ -351,3 +351,13 @@ def test_of_a_block_under_a_rough_plane_by_what_moves_no_edge(tmp_path):
     force, found = written["quantities"]["normal_force"], written["derivatives"]["normal_force"]
     assert found[E]["value"] == pytest.approx(force / 1000, rel=2e-4)
     assert found["contact.0.obstacle.indentation"]["value"] == pytest.approx(force / 0.01, rel=2e-4)
+
+
+def test_keys_of_a_table_that_there_is_once_may_leave_its_number_out():
+    """As in files and for ``--set``; results have the key as it was asked for."""
+    pairs = {"material.youngs_modulus": E, "support.displacement.y": "support.0.displacement.y"}
+    scene = asking(uniform_block(), ("normal_force",), (*pairs, *pairs.values()))
+    found = run(scene, body=box_body((2, 2), (WIDTH, HEIGHT))).derivatives
+    for short, counted in pairs.items():
+        assert dict(found["normal_force"][short]) == dict(found["normal_force"][counted])
+        assert found["normal_force"][short].discrete

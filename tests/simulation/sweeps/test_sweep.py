@@ -15,8 +15,8 @@ import pytest
 from fenics_contact import InputError, load_scene, main, run
 from fenics_contact.common.errors import MachineError, StoppedError
 from fenics_contact.scene.reading import SceneFile
+from fenics_contact.simulation.output.folder_lock import FolderLock
 from fenics_contact.simulation.sweeps import journal, leader
-from fenics_contact.simulation.sweeps.folder_lock import FolderLock
 from fenics_contact.simulation.sweeps.journal import Done
 from fenics_contact.simulation.sweeps.processes import DiedError
 from fenics_contact.simulation.sweeps.rows import row_of
@@ -89,7 +89,7 @@ def test_the_table_has_a_row_for_each_point_as_run_gives_it(scene, tmp_path):
 _HOLDS = """
 import sys, time
 from pathlib import Path
-from fenics_contact.simulation.sweeps.folder_lock import FolderLock
+from fenics_contact.simulation.output.folder_lock import FolderLock
 lock = FolderLock(Path(sys.argv[1]))
 lock.take()
 print("held", flush=True)
@@ -106,7 +106,7 @@ def test_a_folder_has_one_sweep_at_a_time(scene, tmp_path):
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout.readline() == "held\n"
         for resume in (False, True):
-            with pytest.raises(InputError, match="another sweep is being solved there") as caught:
+            with pytest.raises(InputError, match="run or sweep is being solved there") as caught:
                 swept(scene, [f"{MU}=0.2,0.3,0.4"], out, resume=resume)
             assert "\n" not in str(caught.value)
         assert {path.name: path.read_bytes() for path in out.iterdir()} == before
@@ -127,7 +127,7 @@ def test_of_two_sweeps_that_begin_at_once_one_has_the_folder(scene, tmp_path, mo
 
     with monkeypatch.context() as meanwhile:
         meanwhile.setattr(journal, "make_folder", make_folder)
-        with pytest.raises(InputError, match="another sweep is being solved there"):
+        with pytest.raises(InputError, match="run or sweep is being solved there"):
             swept(scene, [f"{MU}=0.2"], out)
     assert not list(out.iterdir())
     other.give_up()

@@ -1,4 +1,4 @@
-"""A folder that one sweep at a time writes to."""
+"""A folder that one run or sweep at a time writes to."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ import os
 import weakref
 from pathlib import Path
 
+from fenics_contact.common.atomic_files import make_folder
 from fenics_contact.common.errors import InputError
 
 logger = logging.getLogger(__name__)
 
 
 class FolderLock:
-    """Keeps other sweeps out of a folder; a process that ends, however it does, gives it up.
+    """Keeps other runs and sweeps out of a folder; a process that ends, in any way, gives it up.
 
     The system keeps the lock, on the folder itself: nothing is left behind in it.
 
@@ -26,12 +27,17 @@ class FolderLock:
         self._folder = folder
         self._give_up: weakref.finalize[[int], FolderLock] | None = None
 
-    def take(self) -> None:
+    def take(self, make: bool = False) -> None:
         """Keep others out from now on, once the folder is there.
 
+        Args:
+            make: Whether to make the folder, if it is not.
+
         Raises:
-            InputError: Another sweep is being solved there.
+            InputError: Another run or sweep is being solved there.
         """
+        if make:
+            make_folder(self._folder)
         if self._give_up is not None or not self._folder.is_dir():
             return
         opened = os.open(self._folder, os.O_RDONLY)
@@ -40,8 +46,8 @@ class FolderLock:
         except BlockingIOError:
             os.close(opened)
             raise InputError(
-                f"'{self._folder}': another sweep is being solved there; wait until it has ended, "
-                "or give another --out"
+                f"'{self._folder}': another run or sweep is being solved there; wait until it has "
+                "ended, or give another --out"
             ) from None
         except OSError as error:  # of file systems that have no locks
             logger.info("'%s' cannot be locked: %s", self._folder, error.strerror)
