@@ -174,9 +174,9 @@ def _load(
         if finding.is_wrong:
             raise InputError(f"{where}: {finding.words}")
     notes = [finding.words for finding in findings]
-    overlaps = [one.words for one in made.relations if one.kind == "overlapping"]
-    for words in (*overlaps, *notes):
-        logger.warning("%s: %s", where, words)
+    for relation in made.relations:
+        if relation.kind == "overlapping":
+            logger.warning("%s: %s", where, relation.words)
     return dataclasses.replace(made, notes=tuple(f"{where}: {words}" for words in notes))
 
 

@@ -198,6 +198,12 @@ def test_msh_of_another_program_keeps_its_groups_apart(folder):
         ("4 2 2 7 1 1 3 14", "4 3 2 7 1 1 2 3 14", "mixes cells|does not define|Gmsh says"),
         ("4 2 2 7 1 1 3 14", "4 2 2 7 1 1 3 77", "Gmsh|does not define"),
         ("4 2 2 7 1 1 3 14", "4 4 2 7 1 1 2 3 14", "is 3-dimensional"),
+        (
+            "4 2 2 7 1 1 3 14",
+            "4 2 2 7 1 1 3 14\n4 2 2 7 1 1 3 14",
+            "lists 5 elements where it says 4",
+        ),
+        ("15 9 9 9", "15 9 9 9\n16 1 2 3\n", "lists 6 nodes where it says 5"),
         ("$MeshFormat", "$MeshFormats", "does not start as a Gmsh mesh"),
         ("2.2 0 8", "1.0 0 8", "does not start as a Gmsh mesh of version 2 or 4"),
         ("$MeshFormat", 'SystemCall "touch x";', "does not start as a Gmsh mesh"),

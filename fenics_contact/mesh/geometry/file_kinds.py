@@ -34,7 +34,7 @@ _CAD_FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}
 _MERGED = _OF_GMSH | {".geo_unrolled": "geo", ".pos": "geo", ".stl": "cad", ".igs": "cad"}
 _MERGED |= {".iges": "cad"}
 # From its first byte on, else Gmsh takes it for a script.
-_MESH = re.compile(rb"\$MeshFormat\s+(\d+)\.?\d*\s+[01]\s+\d+")
+_MESH = re.compile(rb"\$MeshFormat\s+(\d+)\.?\d*\s+([01])\s+\d+")
 # Entities of STEP by which OpenCASCADE opens other files, and their short names. Before and behind
 # them there is anything that its scanner could end or begin a word with.
 _REFERENCE = re.compile(
@@ -264,7 +264,28 @@ def _mesh_version(key: str, path: Path, copy: Path) -> int:
         raise InputError(
             f"{key} = '{path}': does not start as a Gmsh mesh of version 2 or 4 does ($MeshFormat)"
         )
+    if int(found[1]) == 2 and found[2] == b"0":
+        _require_counts(key, path, copy)
     return int(found[1])
+
+
+def _require_counts(key: str, path: Path, copy: Path) -> None:
+    """A text of version 2 lists as many nodes and elements as it says: Gmsh passes over more."""
+    with copy.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        for section in (b"Nodes", b"Elements"):
+            found = re.search(rb"^\$" + section + rb"\s+(\d+)[ \t\r]*\n", content, re.MULTILINE)
+            end = content.find(b"$End" + section, found.end()) if found else -1
+            if found is None or end < 0:
+                continue  # which Gmsh refuses itself
+            text = content[found.end() - 1 : end]
+            if text.count(b"\n") <= int(found[1]) + 1:
+                continue
+            lines = len(re.findall(rb"\n[ \t\r]*(?=[^\s$])", text))  # that are not empty
+            if lines > int(found[1]):
+                raise InputError(
+                    f"{key} = '{path}': lists {lines} {section.decode().lower()} where it says "
+                    f"{int(found[1])}: correct the number, or remove what was added"
+                )
 
 
 def _require_whole(key: str, path: Path, copy: Path) -> None:
