@@ -11,13 +11,19 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, smallest
+from fenics_contact.contact.kinematics.between_points import BetweenPoints, nowhere, padded
 from fenics_contact.contact.kinematics.jump import ContactKinematics, require_smooth
 from fenics_contact.contact.mortar.pairing import Pairing
+from fenics_contact.contact.mortar.ray_projection import hits
 from fenics_contact.contact.surface.facet_sizes import relative_facet_size
 from fenics_contact.contact.surface.trace import Trace
+
+# Of a distance: two ranks with a facet each at the same one.
+_SAME = 1e-9
 
 
 class BodyKinematics(ContactKinematics):
@@ -131,6 +137,46 @@ class BodyKinematics(ContactKinematics):
 
     def _gap(self, points: Array, normals: Array) -> Array:
         return self.pairing.distances_from(points, normals)
+
+    def between_points(self, displacement: Array) -> BetweenPoints:
+        """Where nodes of the master are deepest in facets of the slave; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+        """
+        slave, master = self.facets, self.pairing.master_as_meshed
+        if self.paired_at is not None:
+            slave = slave.moved(self.paired_at[self.trace.all_nodes])
+            master = master.moved(self._of_master(self.paired_at))
+            displacement = displacement - self.paired_at
+        moved = self._of_master(displacement)
+        places, normals = master.node_positions(), master.normals
+        nearest = np.full(len(places), np.inf)
+        if len(slave.nodes):  # the surface may miss this rank
+            found = hits(slave, places, normals)
+            nearest = np.abs(found.distance)
+        of_all = np.empty_like(nearest)
+        self._spaces.comm.Allreduce(nearest, of_all, op=MPI.MIN)
+        met = np.flatnonzero(np.isfinite(nearest) & (nearest <= of_all * (1 + _SAME)))
+        if len(met) == 0:
+            return nowhere(slave.dimension)
+        facets, reference = found.facet[met], found.reference[met]
+        own = slave.interpolate(displacement[self.trace.all_nodes], facets, reference)
+        closed = np.einsum("ij,ij->i", moved[met] - own, normals[met])
+        worn = self.trace.at_all_nodes(self.worn[: len(self.trace.nodes)])[:, None]
+        narrower = self.interference - slave.interpolate(worn, facets, reference)[:, 0]
+        missed = slave.sagittas[facets] + master.sagitta
+        return BetweenPoints(
+            depth=closed - found.distance[met] + narrower - missed,
+            places=padded(slave.positions(facets, reference)),
+            facets=facets,
+            reference=reference,
+            spacing=self.spacing[facets],
+        )
+
+    def _of_master(self, displacement: Array) -> Array:
+        """At all nodes of the master, on every rank; collective."""
+        return self.pairing.master.gathered(displacement[self._opposite.all_nodes])
 
     def leave_out(self, points: Flags) -> None:
         """All points count: what faces none has no gap."""

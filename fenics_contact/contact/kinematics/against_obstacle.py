@@ -7,13 +7,21 @@ import copy
 import numpy as np
 
 from fenics_contact.analytic.complex_step import slope
-from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError
-from fenics_contact.common.parallel import gather_rows, raise_together, smallest
+from fenics_contact.common.parallel import gather_rows, raise_together, smallest, total
+from fenics_contact.contact.kinematics.between_points import BetweenPoints, TooCoarseError, padded
 from fenics_contact.contact.kinematics.jump import ContactKinematics
 from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
+from fenics_contact.contact.mortar.facet_mesh import normalised
+from fenics_contact.contact.mortar.lowest_points import PointFunction, lowest_points
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.scene.obstacle import Obstacle
+
+# Of the spacing of points: a place between them that is nearer by no more is none.
+_AS_NEAR = 1e-9
+# Cosine between the obstacle's way and a surface that it meets.
+_AHEAD = 1e-9
 
 
 class ObstacleKinematics(ContactKinematics):
@@ -24,8 +32,13 @@ class ObstacleKinematics(ContactKinematics):
         obstacle: The scene's obstacle; None where there is none.
         key: Where the scene describes it, for messages.
 
+    Attributes:
+        first_place: Where an obstacle under a force touched first, (1, 3) (length).
+        first_normal: Of the surface there, (1, components).
+
     Raises:
-        InputError: The obstacle does not fit the model, or misses the surface.
+        InputError: The obstacle does not fit the model, or misses the surface; of it,
+            ``TooCoarseError``: it misses all points of the surface, but not the surface.
     """
 
     def __init__(self, trace: Trace, obstacle: Obstacle | None, key: str) -> None:
@@ -33,6 +46,7 @@ class ObstacleKinematics(ContactKinematics):
         self._left_out = np.zeros(len(trace.weights), dtype=bool)
         self._has_shape = obstacle is not None and obstacle.shape is not None
         self._measured = self.gap
+        self._counts: Integers | None = None
         if obstacle is not None:
             self._place(obstacle, key)
 
@@ -54,10 +68,16 @@ class ObstacleKinematics(ContactKinematics):
         self._require_in_its_way(self.reached, key)
 
     def _require_in_its_way(self, points: Flags, key: str) -> None:
-        self._require_reached(
-            points,
+        """Refuse an obstacle before which no point lies: none of the surface, or of its mesh."""
+        comm = self._spaces.comm
+        if total(comm, points.sum()) > 0:
+            return
+        between = self._lowest(self._distance)
+        if total(comm, len(between.facets)) > 0:
+            raise TooCoarseError(key, self.trace, between)
+        raise InputError(
             f"{key}: no point of the surface lies in its way; see its position, normal and "
-            "direction",
+            "direction"
         )
 
     def require_one_sided(self, key: str) -> None:
@@ -90,17 +110,14 @@ class ObstacleKinematics(ContactKinematics):
         moved[:, : normals.shape[1]] -= aside
         return self._obstacle.gap(moved, normals, self._spaces.position)
 
-    def gap_slopes(self, name: str, axis: int, at_first: bool = False) -> Array:
+    def gap_slopes(self, name: str, axis: int) -> Array:
         """Derivatives of the gap in a number of the obstacle, by a complex step, (points,).
 
         Args:
             name: ``radius``, ``position``, ``displacement`` or a direction.
             axis: Of all but the first.
-            at_first: Where the obstacle stood before it moved.
         """
         obstacle, moved = self._obstacle, copy.copy(self)
-        if at_first:
-            moved.displacement = np.zeros_like(self.displacement)
 
         def gap(value: complex) -> Array:
             if name == "displacement":
@@ -131,17 +148,23 @@ class ObstacleKinematics(ContactKinematics):
         """Whether the lines of a cylinder stay at a right angle to the normal as one turns."""
         return self._obstacle.keeps_right_angle(name, axis)
 
-    def brought_up_slope(self, of_gap: Array) -> float:
-        """By how much more the obstacle was brought up, of gaps that change; collective.
+    def first_gap_slope(self, name: str, axis: int) -> float:
+        """Derivative of the gap where it touched first, before it moved, as ``gap_slopes``."""
+        position = self._spaces.position
+
+        def gap(value: complex) -> Array:
+            obstacle = self._obstacle.with_number(name, axis, value)
+            return obstacle.gap(self.first_place, self.first_normal, position)
+
+        return float(slope(gap, self._obstacle.number(name, axis))[0])
+
+    def brought_up_slope(self, of_gap: float) -> float:
+        """By how much more the obstacle was brought up, of a gap that changes where it touched.
 
         Args:
-            of_gap: Their derivatives before it was brought up or moved, (points,).
+            of_gap: The derivative there.
         """
-        gap = self._obstacle.gap(self.trace.coordinates, self.trace.normals, self._spaces.position)
-        ahead = np.isfinite(gap) & (self.facing > 0) & ~self._left_out
-        rows = np.column_stack([gap, of_gap])[ahead] / self.facing[ahead, None]
-        rows = gather_rows(self._spaces.comm, rows)
-        return float(rows[np.argmin(rows[:, 0]), 1])
+        return of_gap / float(-self.first_normal[0] @ self.direction)
 
     def depths_of_slid(self, distance: float) -> Array:
         """How deep points that slid farther than a distance are in an obstacle with a shape.
@@ -177,12 +200,85 @@ class ObstacleKinematics(ContactKinematics):
         self._measure(self.without_round_off(self._measured, self._size))
 
     def bring_up(self) -> None:
-        """Take the obstacle to where it first touches the undeformed surface; collective."""
-        ahead = self.reached & (self.facing > 0)
-        distance = self.gap[ahead] / self.facing[ahead]
-        self.brought_up = smallest(self._spaces.comm, distance)
+        """Take the obstacle to where it first touches the undeformed surface; collective.
+
+        That may be between the points: an apex smaller than the cells meets no node first.
+        """
+        comm, ahead = self._spaces.comm, self._ahead
+        at_points, lowest = self.first_distances()
+        rows = [self.trace.coordinates[ahead], self.trace.normals[ahead]]
+        normals = self._places_of(lowest.facets, lowest.reference)[1]
+        # One that is as near as a point, as under a flat punch, is no nearer.
+        between = -lowest.depth + _AS_NEAR * lowest.spacing
+        rows = [np.concatenate(parts) for parts in zip(rows, (lowest.places, normals), strict=True)]
+        table = np.column_stack([np.concatenate([at_points, between]), *rows])
+        nearest = gather_rows(comm, table[np.argsort(table[:, 0], kind="stable")[:1]])
+        first = nearest[np.argmin(nearest[:, 0])]
+        self.first_place, self.first_normal = first[None, 1:4], first[None, 4:]
+        self.brought_up = float(first[0])
         self._measured = self._measured - self.brought_up * self.facing
         self.stand()
+
+    @property
+    def _ahead(self) -> Flags:
+        return np.asarray(self.reached & (self.facing > 0))
+
+    def first_distances(self) -> tuple[Array, BetweenPoints]:
+        """How far it is to the points before it, along its own way, and to places between these.
+
+        As it stands before it is driven; depths of the latter are these distances, negative.
+        """
+        return self.gap[self._ahead] / self.facing[self._ahead], self._lowest(self._distance)
+
+    def _distance(self, facets: AnyIntegers, reference: Array) -> Array:
+        """How far the obstacle is from places on facets, along its own way (length)."""
+        places, normals = self._places_of(facets, reference)
+        facing = -(normals @ self.direction)
+        ahead = facing > _AHEAD
+        gap = self._gap(places, normals) - self.interference - self.brought_up * facing
+        return np.where(ahead, gap / np.where(ahead, facing, 1.0), np.inf)
+
+    def between_points(self, displacement: Array) -> BetweenPoints:
+        """Where facets are deepest in the obstacle, between their points.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+        """
+        mesh, jump = self.facets, displacement[self.trace.all_nodes] - self.motion
+        worn = self.trace.at_all_nodes(self.worn[: len(self.trace.nodes)])[:, None]
+
+        def present_gap(facets: AnyIntegers, reference: Array) -> Array:
+            places, normals = self._places_of(facets, reference)
+            gap = self._gap(places, normals) + self.brought_up * (normals @ self.direction)
+            gap += mesh.interpolate(worn, facets, reference)[:, 0] - self.interference
+            across = np.einsum("ij,ij->i", mesh.interpolate(jump, facets, reference), normals)
+            return np.asarray(gap - across)
+
+        return self._lowest(present_gap)
+
+    def _lowest(self, gap: PointFunction) -> BetweenPoints:
+        """Where a gap is narrowest on each facet before the obstacle."""
+        mesh = self.facets
+        if self._counts is None:
+            normals = normalised(mesh.normals_at_centres())
+            self._counts = self._obstacle.samples(padded(mesh.centres), mesh.radii, normals)
+        idle = self.trace.at_all_nodes(self._left_out[: len(self.trace.nodes)])
+        counts = np.where(idle[mesh.nodes].any(axis=1), 0, self._counts)
+        found = lowest_points(mesh, counts, gap)
+        met = np.flatnonzero(np.isfinite(found.values))
+        return BetweenPoints(
+            depth=-found.values[met] - mesh.sagittas[met],
+            places=padded(mesh.positions(met, found.reference[met])),
+            facets=met,
+            reference=found.reference[met],
+            spacing=self.spacing[met],
+        )
+
+    def _places_of(self, facets: AnyIntegers, reference: Array) -> tuple[Array, Array]:
+        """Places on facets, (points, 3), and unit normals there (length)."""
+        mesh = self.facets
+        normals = normalised(mesh.interpolate(mesh.normals, facets, reference))
+        return padded(mesh.positions(facets, reference)), normals
 
     def relative(self, displacement: Array) -> Array:
         """Displacement at all nodes of the surface: the obstacle's own is no unknown here."""

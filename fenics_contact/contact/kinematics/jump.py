@@ -7,6 +7,7 @@ for a second deformable body, and nowhere else.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -15,8 +16,9 @@ from dolfinx import fem
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import of_every_rank, on_root, total
-from fenics_contact.contact.mortar.facet_mesh import reference_nodes
-from fenics_contact.contact.mortar.pairing import Pairing, gathered
+from fenics_contact.contact.kinematics.between_points import BetweenPoints
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
+from fenics_contact.contact.mortar.pairing import Pairing, gathered, own_facets
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.contact.surface.trace import Trace
 
@@ -128,6 +130,14 @@ class ContactKinematics(ABC):
         require_smooth(self.trace, f"{key}.on")
 
     @abstractmethod
+    def between_points(self, displacement: Array) -> BetweenPoints:
+        """Where facets are deepest in what stands opposite, between their points; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+        """
+
+    @abstractmethod
     def leave_out(self, points: Flags) -> None:
         """Take points out of an obstacle's reach."""
 
@@ -182,6 +192,18 @@ class ContactKinematics(ABC):
             closed: Which points are in contact.
         """
         return 0.0
+
+    @cached_property
+    def facets(self) -> FacetMesh:
+        """This rank's facets of the surface, as meshed."""
+        return own_facets(self.trace)
+
+    @property
+    def spacing(self) -> Array:
+        """From one contact point to the next on each facet of this rank, about (length)."""
+        mesh = self.facets
+        side = 2.0 if mesh.dimension == 2 else np.sqrt(2.0)
+        return np.asarray(side * mesh.radii / mesh.degree)
 
     @property
     def sagitta(self) -> float:

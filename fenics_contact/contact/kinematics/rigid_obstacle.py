@@ -14,7 +14,7 @@ import numpy as np
 import ufl
 
 from fenics_contact.body.forms import Expr
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Kinematics, Profile
@@ -30,6 +30,8 @@ DIRECTIONS = ("normal", "along", "direction")
 _FLAT = 1e-6
 # A point counts as opposite the edge of a punch within this share of its radius.
 _EDGE = 1e-6
+# Samples along the side of a facet, and over the width of what is to be seen between its nodes.
+_FEWEST, _MOST, _PER_WIDTH = 4, 48, 2.5
 
 
 class RigidObstacle:
@@ -120,6 +122,37 @@ class RigidObstacle:
         """
         other = {"normal": self._along, "along": self._normal}.get(name)
         return other is None or abs(float(other[axis])) < _FLAT
+
+    def samples(self, centres: Array, radii: Array, normals: Array) -> Integers:
+        """How closely facets are to be looked at, to see where it comes nearest to them.
+
+        Args:
+            centres: Of the facets, (facets, 3) (length).
+            radii: Of spheres about these that hold them, (facets,) (length).
+            normals: Outward unit normals there, (facets, components).
+
+        Returns:
+            Samples along a facet's side, (facets,): none where it is flat or not before the facet.
+        """
+        obstacle, shape = self._obstacle, self._obstacle.shape
+        if isinstance(obstacle.gap, Profile):
+            spacing = float(np.diff(obstacle.gap.at).min())
+            return _counts(radii, spacing)
+        if callable(obstacle.gap) or shape in ("parabola", "paraboloid"):
+            return _counts(radii, np.inf)
+        radius = obstacle.radius
+        if shape is None or radius is None:
+            return np.zeros(len(radii), dtype=np.int64)
+        is_round = shape in ("cylinder", "sphere")
+        away = centres - (self._apex - radius * self._normal if is_round else self._apex)
+        rays = np.zeros_like(away)
+        rays[:, : normals.shape[1]] = normals
+        if self._along is not None:
+            away = away - np.outer(away @ self._along, self._along)
+        aside = away - np.einsum("ij,ij->i", away, rays)[:, None] * rays
+        near = np.linalg.norm(aside, axis=1) <= radius + 2 * radii
+        width = radius - (obstacle.inner_radius or 0.0)
+        return np.where(near, _counts(radii, width), 0)
 
     def gap(self, points: Array, normals: Array, position: Expr) -> Array:
         """Gap s along the normals, before the obstacle is driven, shape (points,) (length).
@@ -267,6 +300,12 @@ class RigidObstacle:
 
     def _driven(self) -> bool:
         return bool(self._obstacle.indentation) or self._obstacle.force is not None
+
+
+def _counts(radii: Array, width: float) -> Integers:
+    """Samples along the sides of facets that show something so wide."""
+    wanted = np.ceil(_PER_WIDTH * 2 * radii / width)
+    return np.clip(wanted, _FEWEST, _MOST).astype(np.int64)
 
 
 def _unit(vector: Sequence[complex] | None) -> Array | None:

@@ -126,18 +126,23 @@ class FacetMesh:
         shift = np.einsum("gn,fnd->fgd", self.shape_functions(places), displacement[self.nodes])
         return replace(self, geometry=self.geometry + shift)
 
-    @cached_property
+    @property
     def sagitta(self) -> float:
-        """How far the facets are from the smooth surface that their normals tell of (length).
+        """How far the facets are at most from the smooth surface that normals tell of (length)."""
+        return float(self.sagittas.max(initial=0.0))
 
-        An estimate: r θ/2 of straight ones of half length r, with normals θ off at their ends;
-        r θ³/32 of those of order 2 (the error of a parabola through an arc's ends and middle).
+    @cached_property
+    def sagittas(self) -> Array:
+        """How far each facet is from the smooth surface that its normals tell of (length).
+
+        An estimate, (facets,): r θ/2 of straight ones of half length r, with normals θ off at their
+        ends; r θ³/32 of those of order 2 (the error of a parabola through an arc's ends and
+        middle).
         """
         facets, midpoints = self._midpoints
         own = normalised(self.area_normals(facets, midpoints))
         off = np.linalg.norm(self.normals[self.nodes] - own[:, None], axis=2).max(axis=1, initial=0)
-        relative = off / 2 if self.order == 1 else off**3 / 32
-        return float((self.radii * relative).max(initial=0.0))
+        return np.asarray(self.radii * (off / 2 if self.order == 1 else off**3 / 32))
 
     @property
     def _midpoints(self) -> tuple[AnyIntegers, Array]:

@@ -89,7 +89,7 @@ class Pairing:
         self._slave, self._master = slave, master
         self._comm = slave.spaces.comm
         self.master = master.surface
-        self._surfaces = _own_facets(slave), gathered(master)
+        self._surfaces = own_facets(slave), gathered(master)
         sagitta = max(surface.sagitta for surface in self._surfaces)
         self.sagitta = largest(self._comm, np.array([sagitta]))
         held = np.zeros(slave.spaces.coordinates.shape[0] * slave.spaces.components, dtype=bool)
@@ -97,6 +97,11 @@ class Pairing:
         at_nodes = held.reshape(-1, slave.spaces.components)[slave.all_nodes]
         self._mirrored = slave.symmetry.in_planes() & at_nodes
         self._as_meshed = self._present = self._pair(*self._surfaces)
+
+    @property
+    def master_as_meshed(self) -> FacetMesh:
+        """All facets of the master, on every rank."""
+        return self._surfaces[1]
 
     @property
     def dofs(self) -> Integers:
@@ -250,7 +255,7 @@ class Pairing:
 
 def gathered(trace: Trace) -> FacetMesh:
     """A whole surface on every rank; collective."""
-    own, surface = _own_facets(trace), trace.surface
+    own, surface = own_facets(trace), trace.surface
     return replace(
         own,
         geometry=gather_rows(surface.comm, own.geometry),
@@ -259,8 +264,8 @@ def gathered(trace: Trace) -> FacetMesh:
     )
 
 
-def _own_facets(trace: Trace) -> FacetMesh:
-    """The facets of this rank, with its numbers of the nodes."""
+def own_facets(trace: Trace) -> FacetMesh:
+    """The facets of this rank of a surface, with its numbers of the nodes."""
     surface, mesh = trace.surface, trace.surface.mesh
     count = len(surface.facet_nodes)
     return FacetMesh(

@@ -256,8 +256,12 @@ class SceneChanges:
         gap = np.where(kinematics.reached, gap, 0.0)
         if not contact.floats:
             return Change(contacts={number: GivenChange(gap=gap)})
-        of_shape = name != "gap"  # a function of the place does not move
-        at_first = kinematics.gap_slopes(name, axis, at_first=True) if of_shape else gap
+        if name == "gap" and obstacle.gap is not None:  # a function of the place does not move
+            first = kinematics.first_place.T
+            unit = _unit(key, obstacle.gap, rest[1:])
+            at_first = float(contact.spaces.evaluate_at(unit, first, key)[0])
+        else:
+            at_first = kinematics.first_gap_slope(name, axis)
         raised = kinematics.brought_up_slope(at_first)
         gap = np.where(kinematics.reached, gap - raised * kinematics.facing, 0.0)
         return Change(contacts={number: GivenChange(gap=gap, brought_up=raised)})
@@ -281,8 +285,9 @@ class SceneChanges:
         if not contact.floats:
             return Change(contacts={number: GivenChange(gap=gap, motion=motion, direction=turned)})
         faced = -contact.trace.normals @ turned
-        at_first = kinematics.gap_slopes(name, axis, at_first=True)
-        raised = kinematics.brought_up_slope(at_first - kinematics.brought_up * faced)
+        at_first = kinematics.first_gap_slope(name, axis)
+        at_first += kinematics.brought_up * float(kinematics.first_normal[0] @ turned)
+        raised = kinematics.brought_up_slope(at_first)
         gap = gap - raised * kinematics.facing - kinematics.brought_up * faced
         given = GivenChange(
             gap=np.where(kinematics.reached, gap, 0.0),
