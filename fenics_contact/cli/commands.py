@@ -116,17 +116,19 @@ def _load(options: argparse.Namespace) -> Scene:
 
 def _check(options: argparse.Namespace) -> int:
     from fenics_contact.simulation.adaptive.levels import adaptive_plan
+    from fenics_contact.trust.resolution.hidden_obstacles import hidden_obstacles, words
 
     comm = MPI.COMM_WORLD
     scene = _load(options)
     with activity(scene.load_steps, comm, options.quiet):
-        prepared = Run(scene, comm)
+        prepared = _prepared(scene, comm)
         model = prepared.model
         plan = adaptive_plan(prepared)
+        hidden = hidden_obstacles(prepared.problem)
     if comm.rank == 0 and not options.quiet:
         body = prepared.problem.body
         relations = [relation.words for relation in body.relations]
-        said = (relations, body.notes)
+        said = (relations, [*body.notes, *words(hidden, prepared.problem.spaces.components)])
         print_model(scene, model, body.known_groups(), prepared.contacts(), plan, *said)
     return 0
 
@@ -145,7 +147,7 @@ def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bo
     on_root(comm, lock.take)
     with petsc_options.given(settings, comm):
         with activity(scene.load_steps, comm, options.quiet, names_of(scene)) as announce:
-            prepared = Run(scene, comm)
+            prepared = _prepared(scene, comm)
             on_root(comm, lambda: lock.take(make=True))
             solve = _solve_steps if scene.accuracy is None else _solve_levels
             result = solve(prepared, folder, options.resume, announce)
@@ -156,6 +158,15 @@ def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bo
     if pictures:
         on_root(comm, lambda: _draw(folder, options.quiet))
     return result.exit_code
+
+
+def _prepared(scene: Scene, comm: MPI.Comm) -> Run:
+    """A scene made ready, on the mesh with which it begins; collective."""
+    if scene.accuracy is None:
+        return Run(scene, comm)
+    from fenics_contact.simulation.adaptive.fine_enough import first_run
+
+    return first_run(scene, comm)
 
 
 def _solve_steps(

@@ -60,6 +60,12 @@ WORDS: Mapping[str, CheckWords] = {
         "friction; over these and the body's mean stress.",
         "the stress in the body carries {share} more or less than the contact",
     ),
+    "unseen_contact": CheckWords(
+        "How deep what stands opposite sinks into the surface between two contact points; over "
+        "itself and what the peak pressure closes from one point to the next.",
+        "what stands opposite sinks in between the points of the surface, by {share} of what "
+        "closes there; the mesh is too coarse to see it",
+    ),
     "friction_cone": CheckWords(
         "Friction that the body needs at a node against the most that friction can carry there; "
         "over the largest such bound.",

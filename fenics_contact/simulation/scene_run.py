@@ -352,12 +352,12 @@ class Run:
         passes = cycles_of(self.scene)
         count = partial(cycles_record, history.steps, contacts, passes, far, losses)
         cycles = attempt(problem.comm, "Losses of cycles were not found", count, None, notes)
-        said = verdict.remarks(problem, solution, history.steps, open_share, notes)
+        said = verdict.with_unresolved(verdict.of_checks(checks), problem, solution, notes)
+        said += verdict.remarks(problem, solution, history.steps, open_share, notes)
         return Result(
             title=self.scene.title,
             converged=True,
-            verdict=verdict.of_checks(checks)
-            + said
+            verdict=said
             + cycle_words(cycles)
             + fretting_words(self.scene.fretting, fretting)
             + self.end.others.words()

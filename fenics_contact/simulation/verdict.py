@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from fenics_contact.results.result import Check
 from fenics_contact.scene.steps import Steps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.linear_theory.linear_range import worst_step
+from fenics_contact.trust.resolution.points_across import words_on
 
 # Slip over the size of a contact between two pairings, from which pressures are visibly off:
 # without friction a shift of .01 changes them by 1 %.
@@ -31,8 +33,10 @@ _OF_LINEAR_RANGE = {
     "wear": "wear as deep as {share} of half its width",
 }
 # Of answers whose fields are not known.
-_UNCHECKED = "Converged; nothing was checked."
+_CONVERGED = "Converged; "
+_UNCHECKED = f"{_CONVERGED}nothing was checked."
 _WITHOUT_FIELDS = " The range of linear theory was not checked: that takes the fields."
+_MISSING = "Some of what limits the answer was not looked at"
 # Share of the work left open by load steps, from which it is said.
 _OPEN = 0.1
 
@@ -63,8 +67,7 @@ def remarks(
         lambda: loop_expands(solution),
         lambda: "".join(f" {note}." for note in problem.body.notes),
     )
-    missing = "Some of what limits the answer was not looked at"
-    return "".join(attempt(problem.comm, missing, remark, "", notes) for remark in asked)
+    return "".join(attempt(problem.comm, _MISSING, remark, "", notes) for remark in asked)
 
 
 def of_quick_answer(
@@ -84,11 +87,33 @@ def of_quick_answer(
         open_share: Share of the work that load steps leave open.
     """
     notes: list[str] = []
-    found = remarks(problem, solution, steps, open_share, notes)
+    said = _UNCHECKED if checks is None else of_checks(checks)
+    found = with_unresolved(said, problem, solution, notes)
+    found += remarks(problem, solution, steps, open_share, notes)
     found += "".join(f" {note}" for note in notes)
-    if checks is None:
-        return f"{_UNCHECKED}{found}"
-    return of_checks(checks) + found + _WITHOUT_FIELDS
+    return found if checks is None else found + _WITHOUT_FIELDS
+
+
+def with_unresolved(said: str, problem: Problem, solution: Solution, notes: list[str]) -> str:
+    """The first sentence, with contacts in it that are not resolved; collective.
+
+    Args:
+        said: Whether to trust the answer, by its checks.
+        problem: The model.
+        solution: Of the last load step.
+        notes: To which it is added what could not be found out.
+    """
+    look = partial(words_on, problem.contacts, solution.states)
+    unresolved = attempt(problem.comm, _MISSING, look, "", notes)
+    if not unresolved:
+        return said
+    if not said.startswith(_CONVERGED):  # worse is said there
+        return f"{said} {_capital(unresolved)}"
+    return f"Converged, but {unresolved} {_capital(said.removeprefix(_CONVERGED))}"
+
+
+def _capital(words: str) -> str:
+    return words[0].upper() + words[1:]
 
 
 def untouched(problem: Problem, solution: Solution, steps: Sequence[StepRecord] = ()) -> str:
@@ -173,7 +198,7 @@ def of_checks(checks: dict[str, Check]) -> str:
     if failed:
         return f"Converged, but do not trust it: failed {'; '.join(failed)}."
     every = "the one check" if len(checks) == 1 else f"all {len(checks)} checks"
-    return f"Converged; {every} of the physics passed."
+    return f"{_CONVERGED}{every} of the physics passed."
 
 
 def slid_far(steps: list[StepRecord]) -> str:

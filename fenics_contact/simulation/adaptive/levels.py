@@ -36,6 +36,7 @@ from fenics_contact.results.result import Result
 from fenics_contact.scene.asked.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.adaptive.fine_enough import finer_there, first_run
 from fenics_contact.simulation.adaptive.goals import GoalFinder
 from fenics_contact.simulation.adaptive.mesh_wish import MeshWish, UsedUpError
 from fenics_contact.simulation.adaptive.next_mesh import hindrance
@@ -84,6 +85,7 @@ class AdaptiveRun:
         self._has_own_body = has_own_body
         self._seconds: dict[str, float] = {}
         self._between = 0.0
+        self._coarse = 0  # levels too coarse for what touches, of which errors say nothing
         self._history = LevelHistory()
         self.asked = asked_of(first)
         self._goals = GoalFinder(self.asked)
@@ -114,8 +116,11 @@ class AdaptiveRun:
             errors = relative_errors(result, self.asked, run.scene.names)
             self._note(run, result, errors)
             self.run, last = run, result
-            reason = self._unbounded(last)
-            if is_met(errors, self.asked) and not reason and not self._beyond(last):
+            coarse = run.end.budget.coarse
+            self._coarse += len(coarse) > 0
+            reason = "" if coarse else self._unbounded(last)
+            is_there = is_met(errors, self.asked) and not coarse and not self._beyond(last)
+            if is_there and not reason:
                 return self._done(last, "")
             reason = reason or self._reason_to_stop(errors, last)
             if reason:
@@ -179,6 +184,8 @@ class AdaptiveRun:
 
     def _reason_to_stop(self, errors: Errors, result: Result) -> str:
         """Why no further level can help, or nothing."""
+        if self.run.end.budget.coarse:
+            return self._hindrance or self._used_up(result)
         unknown = self._not_estimated(errors)
         if unknown:
             return unknown
@@ -191,10 +198,14 @@ class AdaptiveRun:
                     f"of the error of {name}, {kept[source]:.1e} is of the {source}, which no mesh "
                     f"changes: {source_advice(source)}"
                 )
-        if self._hindrance:
-            return self._hindrance
+        return self._hindrance or self._used_up(result)
+
+    def _used_up(self, result: Result) -> str:
+        """That there may be no further level, or nothing."""
         if len(self.levels) >= self._accuracy.max_levels:
             most = self._accuracy.max_levels
+            if self.run.end.budget.coarse:
+                return f"the accuracy.max_levels = {most} meshes are used up"
             beyond = " and ".join(in_words(name) for name in self._beyond(result))
             if beyond:
                 return (
@@ -216,7 +227,7 @@ class AdaptiveRun:
                 return f"the answer has no {in_words(name)}"
             if self.run.end.budget.local is None or sources != ["mesh"]:
                 return f"the error of {name} by {' and '.join(sources)} could not be estimated"
-        last = [level.errors for level in self.levels[-_PATIENCE:]]
+        last = [level.errors for level in self.levels[self._coarse :][-_PATIENCE:]]
         for name in unknown:
             if len(last) == _PATIENCE and all(level[name] is None for level in last):
                 why = "; under a corner the pressure has no bound" if "pressure" in name else ""
@@ -235,13 +246,17 @@ class AdaptiveRun:
     def _next_run(self, errors: Errors, result: Result) -> Run:
         """The scene on the next mesh; collective."""
         began = time.perf_counter()
-        goals = self._goals.found
-        if goals is None:
-            raise UsedUpError("it was not found which cells are to be smaller")
-        wish = MeshWish(self.run, self.levels, self.asked, errors, goals)
-        body = wish.mesh(self._has_own_body)
-        scene = balanced(self.run.scene, result, errors, self.asked)
-        comm = self.run.problem.comm
+        comm, scene, coarse = self.run.problem.comm, self.run.scene, self.run.end.budget.coarse
+        if coarse:  # what errors say is not of what touches
+            rows = np.concatenate([one.finer for one in coarse])
+            body = finer_there(scene, self.run.problem.spaces, rows, self._has_own_body)
+        else:
+            goals = self._goals.found
+            if goals is None:
+                raise UsedUpError("it was not found which cells are to be smaller")
+            wish = MeshWish(self.run, self.levels, self.asked, errors, goals)
+            body = wish.mesh(self._has_own_body)
+            scene = balanced(scene, result, errors, self.asked)
         self._between = from_root(comm, time.perf_counter() - began)
         for phase in ("mesh", "total"):
             self._seconds[phase] += self._between
@@ -353,7 +368,7 @@ def run_and_keep(
         InputError: As ``run``.
         MachineError: As ``run``.
     """
-    prepared = Run(scene, comm, body)
+    prepared = first_run(scene, comm, body)
     if scene.accuracy is None:
         return prepared.solve(), prepared
     levels = AdaptiveRun(prepared, body is not None)

@@ -7,10 +7,12 @@ already are cut in two, and again, where their errors are large; their corners s
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
+from mpi4py import MPI
 
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gathered_on_root, on_root
@@ -19,7 +21,6 @@ from fenics_contact.mesh.loading import is_geometry, load_body
 from fenics_contact.mesh.refinement import refined
 from fenics_contact.mesh.size_field import Cells, SizeField, finer_at, graded, next_sizes
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 
 # Cells that should become smaller than this are cut.
@@ -70,7 +71,23 @@ class Wish:
     edges: Array
 
 
-def next_mesh(scene: Scene, problem: Problem, wish: Wish, is_own: bool) -> Body:
+class Meshed(Protocol):
+    """What has a mesh, as a ``Problem``."""
+
+    @property
+    def body(self) -> Body:
+        """The mesh."""
+
+    @property
+    def spaces(self) -> Spaces:
+        """On it."""
+
+    @property
+    def comm(self) -> MPI.Comm:
+        """Communicator."""
+
+
+def next_mesh(scene: Scene, problem: Meshed, wish: Wish, is_own: bool) -> Body:
     """A mesh whose cells have errors that are about equal; collective.
 
     Args:

@@ -15,6 +15,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import BUG, explain
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.adaptive.fine_enough import first_run
 from fenics_contact.simulation.adaptive.levels import AdaptiveRun
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.simulation.studies.body_of_study import mesh_key
@@ -111,7 +112,7 @@ class Answers:
             self._other_factorisations += result.model.bulk_factorisations or 0
             return result
 
-        first = Run(scene, MPI.COMM_SELF)
+        first = first_run(scene, MPI.COMM_SELF)
         self._needs(_GROWTH * first.choice.memory)
         return AdaptiveRun(first).solve(solve_level)
 

@@ -41,6 +41,7 @@ from fenics_contact.trust.checks.normal import (
     tension,
 )
 from fenics_contact.trust.checks.resultants import action_and_reaction, resultant
+from fenics_contact.trust.resolution.unseen import unseen_contact
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +107,7 @@ OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
     "preload": lambda solved: preload(solved.forces),
     "action_and_reaction": lambda solved: action_and_reaction(solved.forces),
     "boundary_stress": lambda solved: boundary_stress(solved.forces),
+    "unseen_contact": lambda solved: unseen_contact(solved.forces),
 }
 # Then those that laws claim.
 OF_LAWS: Mapping[str, Callable[[Claimed], Check | None]] = {

@@ -23,6 +23,12 @@ from fenics_contact.trust.convergence.unbounded import Unbounded
 from fenics_contact.trust.error_estimates.estimates import SOURCES, Errors, Estimates
 from fenics_contact.trust.error_estimates.measured import Measured, known_quantities
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+from fenics_contact.trust.resolution.coarse_contacts import (
+    CoarseContact,
+    coarse_contacts,
+    notes_on,
+    without_bars,
+)
 
 _OF_MOTION = (
     'Errors of a motion were not estimated: solver.errors = "all" solves it again, with half the '
@@ -47,6 +53,7 @@ class ErrorBudget:
         local: Errors of the cells, where those by the mesh were estimated.
         unbounded: What does not converge, by the keys of quantities, of a contact by its number
             and the name, of supports a ``Reaction``, with the sentence that says why.
+        coarse: Contacts for which the mesh is too coarse.
     """
 
     quantities: dict[str, Row] = field(default_factory=dict)
@@ -58,6 +65,7 @@ class ErrorBudget:
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
     unbounded: dict[Hashable, str] = field(default_factory=dict)
+    coarse: list[CoarseContact] = field(default_factory=list)
 
     @classmethod
     def of_rows(cls, rows: Mapping[Hashable, Row], contacts: int, supports: int) -> ErrorBudget:
@@ -171,13 +179,16 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     rows = {key: row_of(key, found) for key in answer} | _given(problem)
     rows, why = unbounded.strip(rows, answer)
     notes += dict.fromkeys(why.values())
+    coarse = coarse_contacts(problem, last.solution)
+    rows |= {key: rows[key] | {"mesh": None, "total": None} for key in without_bars(rows, coarse)}
+    notes += notes_on(coarse)
     if len(steps) > 1:  # what is measured is that of the last forces alone
         every = {key: row for key, row in rows.items() if isinstance(key, str)}
         none = {source for source, errors in found.items() if errors == {}}
         defect = steps[-1]["quantities"].get("energy_defect")
         rows["external_work"] = _of_work(every, defect, none)
     budget = ErrorBudget.of_rows(rows, len(problem.contacts), len(problem.applied_supports))
-    return replace(budget, notes=notes, unbounded=why, local=estimates.local)
+    return replace(budget, notes=notes, unbounded=why, local=estimates.local, coarse=coarse)
 
 
 def _given(problem: Problem) -> dict[Hashable, Row]:

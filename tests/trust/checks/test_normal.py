@@ -51,6 +51,7 @@ def test_the_right_solution_passes_them_all(solved):
     assert set(checks_of(*solved)) == {
         "equilibrium",
         "boundary_stress",
+        "unseen_contact",
         "contact_law",
         "complementarity",
         "tension",

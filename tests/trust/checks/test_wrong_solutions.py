@@ -84,6 +84,12 @@ def indented(**contact):
     return Run(scene, COMM, box_body((24, 16), (1, 1)))
 
 
+def between_points():
+    """The same with a sharper parabola, that stands between two nodes, and meets none."""
+    sharp = Obstacle("parabola", radius=0.005, position=(0.5 + 1 / 96, 1), indentation=3e-4)
+    return indented(obstacle=sharp)
+
+
 def rubbed():
     """The same, moved sideways under Coulomb's friction."""
     obstacle = dataclasses.replace(PARABOLA, displacement=(0.004, 0))
@@ -308,6 +314,7 @@ BROKEN = {
     ("preload", ""): (tightened, stretched),
     ("action_and_reaction", ""): (stacked, handed_over_elsewhere),
     ("boundary_stress", ""): (strip, stress(0.5)),
+    ("unseen_contact", ""): (between_points, lambda prepared, _: prepared.solution),
     ("friction_cone", ""): (strip, friction(1.01)),
     ("friction_law", ""): (strip, friction(0.99)),
     ("outer_loop", ""): (rubbed, stale_bound),

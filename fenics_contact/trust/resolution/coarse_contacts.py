@@ -1,0 +1,102 @@
+"""Contacts of an answer that its mesh is too coarse for: for error bars and for the next mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import total
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.resolution.points_across import ThinContact, thin_contact
+from fenics_contact.trust.resolution.unseen import LARGEST_UNSEEN, unseen
+
+# Of a contact that is not resolved: what depends on how large it is, and how pressed where.
+_OF_ITS_SIZE = (
+    *("max_contact_pressure", "contact_area", "contact_radius", "max_penetration"),
+    *("stick_area", "slip_area", "stick_radius", "max_slip"),
+)
+# What cells become where contact is not seen, over what they are.
+_FINER = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class CoarseContact:
+    """A contact for which the mesh is too coarse.
+
+    Attributes:
+        number: Of the contact, in scene order.
+        label: Its name.
+        thin: Where too few points lie across what touches, if there.
+        is_unseen: Whether some of what touches is not seen at all.
+        finer: Rows of x, y, z and the size that cells there are to have, of this rank (length).
+    """
+
+    number: int
+    label: str
+    thin: ThinContact | None
+    is_unseen: bool
+    finer: Array
+
+
+def coarse_contacts(problem: Problem, solution: Solution) -> list[CoarseContact]:
+    """Of an answer, the same on every rank but for ``finer``; collective.
+
+    Args:
+        problem: The model, with its obstacles where they stand in the answer.
+        solution: The answer.
+    """
+    found = []
+    for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
+        if not contact.is_one_sided:
+            continue
+        between = unseen(contact, state, solution.displacement)
+        far = between.shares > LARGEST_UNSEEN
+        size = _FINER * between.spacing[far] * problem.spaces.degree
+        finer = np.column_stack([between.places[far], size])
+        is_unseen = total(problem.comm, len(finer)) > 0
+        thin = thin_contact(contact, state)
+        if thin is not None:
+            finer = np.concatenate([finer, thin.finer])
+        if is_unseen or thin is not None:
+            found.append(CoarseContact(number, contact.label, thin, is_unseen, finer))
+    return found
+
+
+def notes_on(coarse: Sequence[CoarseContact]) -> list[str]:
+    """Sentences on error bars that there are not."""
+    notes = []
+    for one in coarse:
+        if one.is_unseen:
+            notes.append(
+                f"There are no error bars: on this mesh some of what touches at '{one.label}' is "
+                "not seen."
+            )
+        else:
+            notes.append(
+                f"Pressures, areas and slips at '{one.label}' have no error bars: fewer than three "
+                "points lie across what touches."
+            )
+    return notes
+
+
+def without_bars(keys: Iterable[Hashable], coarse: Sequence[CoarseContact]) -> list[Hashable]:
+    """Of the keys of quantities, those of which the mesh does not tell how wrong they are.
+
+    Args:
+        keys: As of ``Measured``.
+        coarse: What the mesh is too coarse for.
+    """
+    if any(one.is_unseen for one in coarse):
+        return list(keys)
+    numbers = {one.number for one in coarse}
+    return [key for key in keys if _is_of_size(key, numbers)]
+
+
+def _is_of_size(key: Hashable, numbers: set[int]) -> bool:
+    if isinstance(key, tuple):
+        return key[0] in numbers and key[1] in _OF_ITS_SIZE
+    return bool(numbers) and key in _OF_ITS_SIZE

@@ -1,0 +1,79 @@
+"""Contact that a mesh does not see: what stands opposite sinks in between the points.
+
+Gaps are closed at contact points. Between these the surface is that of the elements, and what
+stands opposite may be deep in it. A pressure p on a piece of the length h from one point to the
+next pushes the surface back by about p h/E*; under Hertz's pressure on a width of 2a, points h
+apart let the obstacle sink in by h/(4a) of that. Where it sinks in by as much, the answer is
+that of other surfaces.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import ContactState
+from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.results.result import Check
+from fenics_contact.trust.checks.comparison import nearer_to_failing, worst_of
+
+# Depth between points, over itself and what pressure closes, at the most. Measured on obstacles of
+# a tenth of a cell to ten cells: below, error bars hold what that does to forces, and from 0.8
+# on forces and indentations are wrong by any factor. Under the edge of a punch it is up to 0.5.
+LARGEST_UNSEEN = 0.6
+# Of the spacing of points: what round-off leaves of a depth.
+_ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Unseen:
+    """How deep a surface is between its points, on this rank.
+
+    Attributes:
+        shares: Depth between points, over itself and what pressure closes, (places,): 0 … 1.
+        places: (places, 3) (length).
+        spacing: From one contact point to the next, (places,) (length).
+    """
+
+    shares: Array
+    places: Array
+    spacing: Array
+
+
+def unseen(contact: ContactSurface, state: ContactState, displacement: Array) -> Unseen:
+    """Of one that pushes; collective.
+
+    Args:
+        contact: The contact.
+        state: What happens at its points.
+        displacement: At the body's nodes of this rank, (nodes, components) (length).
+    """
+    trace, kinematics = contact.trace, contact.kinematics
+    between = kinematics.between_points(displacement)
+    at_nodes = np.maximum(-state.gap[: len(contact.nodes)], 0.0)
+    sunk = trace.at_all_nodes(at_nodes)[kinematics.facets.nodes[between.facets]]
+    at_points = sunk.max(axis=1, initial=0.0)
+    depth = np.maximum(between.depth - at_points - _ROUND_OFF * between.spacing, 0.0)
+    peak = largest(trace.spaces.comm, state.contact_pressure)
+    closes = peak * between.spacing / contact.moduli.plane_strain + at_points
+    shares = np.divide(depth, depth + closes, out=np.zeros_like(depth), where=depth > 0)
+    return Unseen(shares, between.places, between.spacing)
+
+
+def unseen_contact(forces: NeededForces) -> Check | None:
+    """What sinks in between points, over itself and what pressure closes there; collective."""
+    worst: Check | None = None
+    for contact, state in zip(forces.problem.contacts, forces.solution.states, strict=True):
+        if not contact.is_one_sided:
+            continue
+        found = unseen(contact, state, forces.displacement)
+        if largest(forces.problem.comm, np.ones(len(found.shares))) == 0:
+            continue
+        value, place = worst_of(forces.problem.comm, found.shares, found.places)
+        check = Check(value, LARGEST_UNSEEN, contact.label, place)
+        worst = nearer_to_failing(worst, check)
+    return worst

@@ -1,0 +1,136 @@
+"""What meets a surface between its points is seen, refused, or told to be missed."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import (
+    Accuracy,
+    Contact,
+    InputError,
+    Material,
+    MeshSource,
+    Obstacle,
+    Run,
+    Scene,
+    Support,
+    run,
+)
+from fenics_contact.contact.kinematics.between_points import TooCoarseError
+from fenics_contact.scene.values import Profile
+from fenics_contact.trust.resolution.hidden_obstacles import hidden_obstacles
+from fenics_contact.trust.resolution.unseen import LARGEST_UNSEEN
+from fenics_contact.verification.boxes import Box, boxes
+from tests.scenes import box_body
+from tests.trust.resolution.blocks import GEOMETRY, pressed
+
+COMM = MPI.COMM_WORLD
+CELLS = 10
+# Between two of the eleven nodes.
+BETWEEN = 0.55
+
+
+def square():
+    return box_body((CELLS, CELLS), (1, 1))
+
+
+@pytest.mark.errors
+def test_an_obstacle_between_two_points_fails_a_check_and_has_no_bars():
+    """It sinks in by all of its way, and nothing pushes back."""
+    parabola = Obstacle("parabola", radius=2, position=(BETWEEN, 1), indentation=0.0006)
+    found = run(pressed(parabola), COMM, square())
+    check = found.checks["unseen_contact"]
+    assert check.value == pytest.approx(1.0) and check.place[0] == pytest.approx(BETWEEN)
+    assert found.exit_code == 4 and "unseen contact" in found.verdict
+    assert all(row["total"] is None for row in found.errors.values())
+    assert "not seen" in " ".join(found.error_notes)
+
+
+def test_at_a_point_the_same_obstacle_is_seen():
+    parabola = Obstacle("parabola", radius=2, position=(0.5, 1), indentation=0.0006)
+    found = run(pressed(parabola), COMM, square())
+    assert found.checks["unseen_contact"].value < LARGEST_UNSEEN and found.exit_code == 0
+
+
+@pytest.mark.parametrize(("radius", "is_seen"), [(0.02, False), (200.0, True)])
+def test_a_force_brings_an_obstacle_up_to_where_it_first_touches(radius, is_seen):
+    """The apex touches, at a height of 0, not the circle's height over the next node, h²/8R."""
+    driven = Obstacle("parabola", radius=radius, position=(BETWEEN, 1.01), force=0.05)
+    prepared = Run(pressed(driven), COMM, square())
+    brought_up = prepared.problem.contacts[0].kinematics.brought_up
+    assert brought_up == pytest.approx(0.01, rel=1e-6)
+    assert (len(hidden_obstacles(prepared.problem)) == 0) == is_seen
+    if not is_seen:
+        assert prepared.solve().exit_code == 4
+
+
+@pytest.mark.parametrize("half_width", [0.04, 0.004])
+def test_a_punch_between_two_points_is_refused_for_the_right_reason(half_width):
+    punch = Obstacle("flat punch", radius=half_width, position=(BETWEEN, 1), indentation=0.01)
+    with pytest.raises(TooCoarseError, match=r"too coarse to see it.* near \(0\.5\d*, 1\).* 0\.1 "):
+        Run(pressed(punch), COMM, square())
+
+
+def test_what_stands_beside_the_surface_is_refused_as_before():
+    punch = Obstacle("flat punch", radius=0.1, position=(1.5, 1), normal=(0, -1), indentation=0.01)
+    with pytest.raises(InputError, match="no point of the surface lies in its way"):
+        Run(pressed(punch), COMM, square())
+
+
+def test_a_sphere_between_the_points_of_a_face():
+    """Of a quarter of a cell: no ray from a node meets it."""
+    sphere = Obstacle("sphere", radius=0.06, position=(0.625, 0.625, 1), indentation=0.01)
+    with pytest.raises(TooCoarseError, match=r"near \(0\.625, 0\.625, 1\)"):
+        Run(pressed(sphere, 3), COMM, box_body((4, 4, 4), (1, 1, 1)))
+
+
+def test_a_bump_of_a_profile_is_seen_between_points():
+    gap = Profile("x", (0.0, 0.53, 0.55, 0.57, 1.0), (0.01, 0.01, 0.0, 0.01, 0.01))
+    found = run(pressed(Obstacle(gap=gap, indentation=0.005)), COMM, square())
+    assert found.checks["unseen_contact"].value == pytest.approx(1.0)
+
+
+def ridge_under_a_block(slave):
+    """A coarse block, pushed onto a narrow one with a rounded top between two of its nodes."""
+    low = Box("low", (0.45, 0), (0.65, 1), (8, 8))
+    body = boxes([low, Box("high", (0, 1.5), (1, 2.5), (4, 4))])
+    places = body.mesh.geometry.x
+    top, high = np.isclose(places[:, 1], 1), places[:, 1] > 1.2
+    places[top, 1] -= 2 * (places[top, 0] - BETWEEN) ** 2
+    places[high, 1] -= 0.5
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(
+            Support("low.y0", {"x": 0, "y": 0}),
+            Support("high.y1", {"x": 0, "y": -0.002}),
+        ),
+        contact=(Contact("high.y0", against="low.y1", slave=slave),),
+    )
+    return scene, COMM, body
+
+
+@pytest.mark.parametrize(("slave", "is_seen"), [("on", False), ("against", True)])
+def test_a_body_whose_ridge_stands_between_nodes_of_the_other(slave, is_seen):
+    """Points of the ridge meet the block; no node of the block meets the ridge."""
+    found = run(*ridge_under_a_block(slave))
+    assert (found.checks["unseen_contact"].value < LARGEST_UNSEEN) == is_seen
+    assert found.exit_code == (0 if is_seen else 4)
+
+
+def test_planes_over_whole_faces_have_nothing_to_compare():
+    plane = Obstacle("plane", position=(0, 1), normal=(0, -1), indentation=0.01)
+    assert "unseen_contact" not in run(pressed(plane), COMM, square()).checks
+
+
+@pytest.mark.errors
+def test_an_accuracy_begins_on_a_mesh_that_shows_the_obstacle(tmp_path):
+    """The force on 80 × 80 cells of the same square, .2169, and on 160 × 160 .2166."""
+    (tmp_path / "b.geo").write_text(GEOMETRY)
+    parabola = Obstacle("parabola", radius=2, position=(BETWEEN, 1), indentation=0.0006)
+    scene = pressed(
+        parabola, mesh=MeshSource(str(tmp_path / "b.geo")), accuracy=Accuracy(normal_force=0.05)
+    )
+    found = run(scene)
+    assert found.exit_code == 0 and found.levels[0].cells > CELLS**2
+    assert found.quantities["normal_force"] == pytest.approx(0.2166, rel=0.05)
