@@ -72,9 +72,23 @@ def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
         raise MachineError(
             f"the solver '{choice.name}' needs about {choice.memory / 1e9:.2g} GB of memory for "
             f"{unknowns(problem):,} unknowns, and {free / 1e9:.2g} GB are free "
-            f"{memory_limit(problem.comm)}; {LESS_MEMORY}"
+            f"{memory_limit(problem.comm)}; {_that_would_do(problem, choice, free)}{LESS_MEMORY}"
         )
     return choice
+
+
+def _that_would_do(problem: Problem, refused: SolverChoice, free: float) -> str:
+    """Advice to take another solver, if one fits that is for the model; collective."""
+    names: list[Name] = []
+    if problem.inertia is None and _suits_multigrid(problem) and not cannot_be_carried(problem):
+        names.append("iterative")
+    names += ["condensed"] if problem.inertia is not None else ["condensed", "full"]
+    for name in names:
+        memory = memory_estimate(problem, name)
+        if name != refused.name and memory <= free:
+            needs = f"about {memory / 1e9:.2g} GB"
+            return f"solver.solver = '{name}' needs {needs} and would do; or "
+    return ""
 
 
 def _of_kept_body(problem: Problem) -> SolverChoice:

@@ -119,6 +119,22 @@ def test_the_scenes_own_choice_is_refused_too(monkeypatch):
         choose_solver(problem)
 
 
+def test_a_refusal_names_the_solver_that_would_do(monkeypatch):
+    """Which is then taken as it is named; where none fits, none is named."""
+    problem = made(with_solver(block(), solver="condensed"), (8, 8, 6))
+    needs = {name: memory_estimate(problem, name) for name in ("condensed", "full", "iterative")}
+    assert needs["iterative"] < needs["condensed"]
+    between = 0.5 * (needs["iterative"] + needs["condensed"])
+    with_memory(monkeypatch, between)
+    with pytest.raises(MachineError, match=r"solver.solver = 'iterative' needs about .* would do"):
+        choose_solver(problem)
+    assert choose_solver(made(with_solver(block(), solver="iterative"), (8, 8, 6)))
+    with_memory(monkeypatch, 0.5 * min(needs.values()))
+    with pytest.raises(MachineError) as caught:
+        choose_solver(problem)
+    assert "would do" not in str(caught.value)
+
+
 def test_iterative_is_for_space_and_compressible_bodies():
     plane = Scene(
         kinematics="plane strain",
