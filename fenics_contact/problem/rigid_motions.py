@@ -213,6 +213,35 @@ class RigidMotions:
         names = self._problem.spaces.parts.names
         return [name for name, moves in zip(names, moved, strict=True) if moves]
 
+    def alone(self, parts: Flags) -> Array:
+        """Combinations of the motions in which some parts of the body move alone, as columns.
+
+        Args:
+            parts: Which, (parts,).
+        """
+        others = np.repeat(~parts, len(self._names))
+        resting = np.vstack([self._body[others], self._obstacles])
+        return null_space(resting.T @ resting)
+
+    def kind_of(self, motion: Array) -> tuple[str, float]:
+        """Whether all that moves turns alike, or goes alike, and how fast.
+
+        Returns:
+            ``moment`` and the angular velocity, or ``force`` and the velocity, by which work of the
+            motion is a moment or a force; an empty text and 1 where parts move differently.
+        """
+        parts = self._problem.spaces.parts
+        shares = (self._body @ motion).reshape(parts.count, len(self._names))
+        turns = np.array([kind == "rotation about" for kind, _ in self._names])
+        moves = np.abs(shares).max(axis=1) > _TAKES_PART * np.abs(motion).max(initial=0.0)
+        if not moves.any() or np.abs(self.indentations(motion)).max(initial=0.0) > 0:
+            return "", 1.0
+        spins = (shares[:, turns] / parts.sizes[:, None])[moves]
+        paths = shares[:, ~turns][moves]
+        kind, speeds = ("moment", spins) if spins.any() else ("force", paths)
+        speed = float(np.linalg.norm(speeds[0]))
+        return (kind, speed) if np.allclose(speeds, speeds[0], atol=1e-6 * speed) else ("", 1.0)
+
     def indentations(self, motion: Array) -> Array:
         """Motions of the floating obstacles in a motion, in their order."""
         return np.asarray(self._obstacles @ motion)

@@ -66,6 +66,12 @@ WORDS: Mapping[str, CheckWords] = {
         "what stands opposite sinks in between the points of the surface, by {share} of what "
         "closes there; the mesh is too coarse to see it",
     ),
+    "slip_limit": CheckWords(
+        "Friction found against the most that it can carry, along the rigid motion of parts, not "
+        "held by supports nor across contacts, in which the two are nearest: the work of one over "
+        "that of the other.",
+        "friction carries {share} of all that it can against a rigid motion that no support holds",
+    ),
     "friction_cone": CheckWords(
         "Friction that the body needs at a node against the most that friction can carry there; "
         "over the largest such bound.",

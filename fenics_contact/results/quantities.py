@@ -232,6 +232,17 @@ ALL = (
         has_true_value=False,
     ),
     Quantity(
+        "slip_share",
+        "",
+        "with friction: how much of what it can hold against rigid slip of one side along the "
+        "other it does hold, 0 … 1: the largest ∫ τ · r dA / ∫ g |r| dA of rigid motions r along "
+        "all that touches, with the traction τ and its bound g; of a torque, too. `null` where "
+        "no rigid motion slips along all that touches, as of a key, or of a cone that has no "
+        "rotation",
+        "not there",
+        has_true_value=False,
+    ),
+    Quantity(
         "undecided_points",
         "",
         "with friction: how many points slip by less than 2ε",
@@ -305,6 +316,7 @@ def without_value(name: str, quantities: Quantities) -> str:
         "normal_force": "none, the surface wraps around",
         "contact_radius": "none, no contact at the axis",
         "stick_radius": "none, no stick at the axis",
+        "slip_share": "-",
     }.get(name, "none")
 
 

@@ -352,6 +352,8 @@ class Run:
         passes = cycles_of(self.scene)
         count = partial(cycles_record, history.steps, contacts, passes, far, losses)
         cycles = attempt(problem.comm, "Losses of cycles were not found", count, None, notes)
+        missing = "How near parts are to slipping was not found"
+        near = attempt(problem.comm, missing, history.slip_limit, None, notes)
         said = verdict.with_unresolved(verdict.of_checks(checks), problem, solution, notes)
         said += verdict.remarks(problem, solution, history.steps, open_share, notes)
         return Result(
@@ -371,6 +373,7 @@ class Run:
             quantities=quantities,
             steps=history.steps,
             cycles=cycles,
+            slip_limit=near,
             fretting=fretting,
             checks=checks,
             branches=self.end.others.branches,
@@ -434,7 +437,9 @@ class Run:
             quantities={},
         )
         reached = None if self.solution is None else self.steps[-1].load_factor
-        words = verdict.unconverged(str(error), self.scene.load_steps, tried, reached)
+        asked = verdict.asked_too_much(self.problem, self.solution, tried, reached)
+        why = asked or str(error)
+        words = verdict.unconverged(why, self.scene.load_steps, tried, reached)
         return self._stopped_short(words, [*self.steps, step])
 
     def _interrupted(self) -> Result:

@@ -22,8 +22,10 @@ from fenics_contact.evaluate.quantities import (
     slid,
     support_records,
 )
+from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.contacts import StepContact
+from fenics_contact.results.records.slip_limit import SlipLimitRecord
 from fenics_contact.results.records.steps import Largest, LoadRecord, StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.simulation.description import regularisation_of
@@ -267,13 +269,31 @@ class StepHistory(Generic[_Forces]):
             self.supports = support_records(self.forces)
             self.preloads = preload_records(self._problem, solution)
             self.by_contact = [
-                self._of_contact(solution, number) for number in range(len(self._problem.contacts))
+                self._of_contact(solution, number) | self._slip_share(solution, number)
+                for number in range(len(self._problem.contacts))
             ]
             return global_quantities(self.forces, self.by_contact)
 
     def _of_contact(self, solution: Solution, number: int) -> dict[str, Any]:
         """Quantities of a contact, by its number in scene order; collective."""
         return contact_quantities(self._problem, solution, number)
+
+    def slip_limit(self) -> SlipLimitRecord | None:
+        """How near parts are to slipping in the last load step, where any may; collective."""
+        assert self.solution is not None
+        with self._timings.phase("output"):
+            found = slip_shares(self._problem, self.solution.states) if self.forces.rests else None
+            largest = None if found is None else found.largest()
+            if found is None or largest is None:
+                return None
+            return SlipLimitRecord(parts=found.of_parts(), motion=largest.motion)
+
+    def _slip_share(self, solution: Solution, number: int) -> dict[str, Any]:
+        """Of what friction can hold a contact uses, if it has any; collective."""
+        contact = self._problem.contacts[number]
+        if not contact.friction.rubs:
+            return {}
+        return {"slip_share": share_of_contact(contact, solution.states[number])}
 
     @cached_property
     def _linear_range(self) -> LinearRange:

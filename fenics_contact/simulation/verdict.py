@@ -9,6 +9,7 @@ import numpy as np
 
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import largest
+from fenics_contact.problem.existence.slip_shares import HELD, slip_shares
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.check_messages import failure
 from fenics_contact.results.records.steps import StepRecord
@@ -58,6 +59,7 @@ def remarks(
         notes: To which it is added what could not be found out.
     """
     asked: tuple[Callable[[], str], ...] = (
+        lambda: slips_as_a_whole(problem, solution),
         lambda: untouched(problem, solution, steps),
         lambda: without_friction(problem),
         lambda: facets_too_straight(problem, solution),
@@ -114,6 +116,50 @@ def with_unresolved(said: str, problem: Problem, solution: Solution, notes: list
 
 def _capital(words: str) -> str:
     return words[0].upper() + words[1:]
+
+
+def slips_as_a_whole(problem: Problem, solution: Solution) -> str:
+    """A sentence on parts that friction does not hold, or nothing; collective.
+
+    Args:
+        problem: The model.
+        solution: Of the last load step.
+    """
+    if problem.inertia is not None:
+        return ""
+    shares = slip_shares(problem, solution.states)
+    found = None if shares is None else shares.largest()
+    if found is None or found.share <= HELD:
+        return ""
+    return f" There is no equilibrium: {found.words}."
+
+
+def asked_too_much(
+    problem: Problem, solution: Solution | None, tried: float, reached: float | None
+) -> str:
+    """What the loads of a step without an answer ask for that friction cannot hold; collective.
+
+    Args:
+        problem: The model, as it was at the end of the last step that was done.
+        solution: Of that step, by whose pressures friction is judged.
+        tried: Pseudo-time of the step without an answer.
+        reached: That of the last one that was done.
+
+    Returns:
+        Nothing where friction can hold them, or where no step was done.
+    """
+    if solution is None or reached is None or problem.inertia is not None:
+        return ""
+    problem.set_time(tried)
+    shares = slip_shares(problem, solution.states)
+    found = None if shares is None else shares.asked_by_loads()
+    problem.set_time(reached)
+    if found is None or found.share <= HELD:
+        return ""
+    return (
+        f"{found.words}, by the pressures of the last load step that was done; lower the loads, "
+        "or add friction or a support"
+    )
 
 
 def untouched(problem: Problem, solution: Solution, steps: Sequence[StepRecord] = ()) -> str:

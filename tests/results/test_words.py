@@ -61,6 +61,7 @@ QUANTITIES = {
     "max_contact_pressure": 12.345678,
     "max_slip": 0.25,
     "friction_work": 2.0,
+    "slip_share": 0.5,
 }
 
 
@@ -90,11 +91,16 @@ def test_a_contact_says_what_it_carries_and_what_friction_uses_of_its_limit():
 
 def test_what_does_not_apply_is_left_out():
     plain = contact(law="none", errors={})
+    plain["quantities"] = {k: v for k, v in QUANTITIES.items() if k != "slip_share"}
     assert headlines(result(plain)) == ["Contact 'lug': presses with 200, peak pressure 12.3457."]
     around = contact(quantities=QUANTITIES | {"normal_force": None, "friction_force": [0.0, 0.0]})
-    assert headlines(result(around))[0].startswith("Contact 'lug': presses with 200 ± ?, peak")
-    varying = contact(parameters={"friction_coefficient": "varies"})
-    assert "limit" not in headlines(result(varying))[0]
+    assert headlines(result(around))[0].startswith(
+        "Contact 'lug': presses with 200 ± ?, friction at 50 % of its limit, peak"
+    )
+    wedged = contact(quantities=QUANTITIES | {"slip_share": None})
+    assert "friction 50 ± ? (- of its limit), peak" in headlines(result(wedged))[0]
+    earlier = {k: v for k, v in QUANTITIES.items() if k != "slip_share"}  # as files had it
+    assert "limit" not in headlines(result(contact(quantities=earlier)))[0]
     assert headlines(result(contact(), converged=False)) == []
 
 
@@ -107,6 +113,7 @@ def test_what_is_zero_by_symmetry_is_no_estimate():
     """Beside what else is there: forces, energies, and what these move."""
     found = QUANTITIES | {"friction_force": [8e-10, 0.0], "max_slip": 1e-18, "friction_work": 1e-16}
     errors = {"friction_force": row(4e-9), "max_slip": row(6e-18), "friction_work": row(4e-15)}
+    found["slip_share"] = 1e-12
     every = found | {"strain_energy": 0.5, "normal_force": 3.0, "pressure_integral": 3.0}
     given = {"quantities": every, "errors": errors}
     stuck = result(contact(**given), **given)

@@ -105,6 +105,11 @@ class BodyKinematics(ContactKinematics):
         """How far the facets of both surfaces are from smooth ones, about (length)."""
         return self.pairing.sagitta
 
+    @property
+    def facet_turn(self) -> float:
+        """By what angle facets of either surface are turned from the normals, about (radians)."""
+        return max(self.trace.averaged.turn, self._opposite.averaged.turn)
+
     def missed(self) -> Array:
         """By how much gaps are too wide for what facets of both surfaces miss; collective.
 

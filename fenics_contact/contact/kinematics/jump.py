@@ -211,6 +211,11 @@ class ContactKinematics(ABC):
         return 0.0
 
     @property
+    def facet_turn(self) -> float:
+        """By what angle facets are turned from the normals, about (radians)."""
+        return self.trace.averaged.turn
+
+    @property
     def distance_as_drawn(self) -> Array:
         """At the points, from one side to the other, without interference and wear (length)."""
         return self._drawn

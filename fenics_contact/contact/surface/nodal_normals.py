@@ -23,6 +23,8 @@ class NodalNormals:
         normals: Outward unit normals, (nodes, components).
         mean: Mean of the outward unit normal over the surface, of a full revolution where
             axisymmetric, (components,); shorter the more the surface wraps around.
+        turn: Angle between facets and these normals at the nodes, root of the mean square: 0 where
+            facets go on smoothly (radians).
 
     Args:
         surface: The surface.
@@ -41,6 +43,10 @@ class NodalNormals:
         # 1 on a flat surface; the cosine of half the angle at an edge between two facets.
         self._flatness = lengths / np.where(bare > 0, bare, 1.0)
         self.normals = averaged / np.where(lengths > 0, lengths, 1.0)[:, None]
+        owned = slice(0, surface.owned_nodes)
+        sums = np.column_stack([bare - lengths, bare])[owned].sum(axis=0)
+        missing, every = total(surface.comm, sums)
+        self.turn = float(np.sqrt(2 * max(missing, 0.0) / every))  # 1 − cos is half the square
 
     def _mean(self, normals: Array, areas: Array) -> Array:
         """∫ n over ∫ 1, from their integrals with the nodes' shape functions; collective."""

@@ -17,6 +17,7 @@ from fenics_contact.results.records.derivatives import Derivative
 from fenics_contact.results.records.fretting import FrettingRecord
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
+from fenics_contact.results.records.slip_limit import SlipLimitRecord
 from fenics_contact.results.records.stability import StabilityRecord
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
 from fenics_contact.results.records.uncertainty import Uncertainty
@@ -40,6 +41,7 @@ class Outcome(Record):
         quantities: Of the whole model, at the end; empty without an answer.
         steps: Each load step.
         cycles: What becomes of loads that come again and again, where they do.
+        slip_limit: How near parts are to slipping as a whole, where friction may hold some.
         fretting: Where the stress near contacts is worst over a cycle, where it was asked for.
         checks: Name → check of the physics.
         branches: All answers that were found, where the scene asks for others.
@@ -61,7 +63,7 @@ class Outcome(Record):
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
         {
             *("accuracy", "cycles", "damping", "derivatives", "fretting", "modes", "preloads"),
-            *("stability", "uncertainty", "units"),
+            *("slip_limit", "stability", "uncertainty", "units"),
         }
     )
 
@@ -76,6 +78,7 @@ class Outcome(Record):
     quantities: Quantities
     steps: list[StepRecord]
     cycles: CyclesRecord | None = None
+    slip_limit: SlipLimitRecord | None = None
     fretting: FrettingRecord | None = None
     checks: Mapping[str, Any]
     branches: list[BranchRecord] = field(default_factory=list)

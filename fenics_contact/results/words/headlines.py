@@ -14,6 +14,9 @@ from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
 from fenics_contact.results.words.rounding import is_none, rounded, sizes_of
 
+# Of what friction can hold: what it does not hold.
+_NO_SHARE = 1e-9
+
 
 def headlines(result: Outcome) -> list[str]:
     """A line a preload and a contact, and what friction dissipated; none without an answer.
@@ -26,6 +29,7 @@ def headlines(result: Outcome) -> list[str]:
     words = _Words(result.units or NO_UNITS, sizes_of(result.quantities, result.contacts))
     lines = [words.of_preload(name, preload) for name, preload in result.preloads.items()]
     lines += [words.of_contact(contact) for contact in result.contacts if contact.quantities]
+    lines += _parts(result)
     if result.contacts and "friction_work" not in idle_quantities(result.contacts):
         lines.append(f"Friction dissipated {words.estimate('friction_work', result)}.")
     return lines
@@ -60,8 +64,15 @@ class _Words:
         if isinstance(friction, list) and "friction_force" not in idle:
             force = math.hypot(*friction)
             said = self._with_bar(force, contact.errors, "friction_force", "force")
-            if not is_none(force, self.sizes["force"]):  # around an axis they cancel
-                words.append(f"friction {said}{_share(contact, force)}")
+            share = _share(contact)
+            if not is_none(force, self.sizes["force"]):
+                words.append(f"friction {said}" + (f" ({share} of its limit)" if share else ""))
+            elif share not in (
+                "",
+                "0 %",
+                "-",
+            ):  # around an axis forces cancel, and their moments do not
+                words.append(f"friction at {share} of its limit")
         for key, said in (
             ("max_contact_pressure", "peak pressure"),
             ("max_slip", "slips by up to"),
@@ -85,11 +96,24 @@ class _Words:
         return f"{said}{f' ± {bar}' if errors and bar else ''}{f' {unit}' if unit else ''}"
 
 
-def _share(contact: ContactRecord, force: float) -> str:
-    """How much of what friction could hold it does, where the coefficient is one number."""
-    coefficient = contact.coulomb_coefficient
-    pressing = contact.quantities.get("pressure_integral")
-    if coefficient is None or not isinstance(pressing, float):
+def _share(contact: ContactRecord) -> str:
+    """How much of what friction can hold it does; empty of files before that was written."""
+    if "slip_share" not in contact.quantities:
         return ""
-    limit = coefficient * pressing
-    return f" ({100 * force / limit:.3g} % of its limit)" if limit > 0 else ""
+    share = contact.quantities["slip_share"]
+    return "-" if share is None else _percent(share)
+
+
+def _percent(share: float) -> str:
+    """A share of a limit; what is round-off is none."""
+    return f"{100 * share:.3g} %" if share > _NO_SHARE else "0 %"
+
+
+def _parts(result: Outcome) -> list[str]:
+    """How much of what friction can hold of it each part uses, all its contacts together."""
+    shares = {} if result.slip_limit is None else result.slip_limit.parts
+    return [
+        f"Part '{one_line(name)}': friction holds it with {_percent(share)} of its limit."
+        for name, share in shares.items()
+        if share is not None
+    ]

@@ -41,6 +41,7 @@ from fenics_contact.trust.checks.normal import (
     tension,
 )
 from fenics_contact.trust.checks.resultants import action_and_reaction, resultant
+from fenics_contact.trust.checks.slip_limit import slip_limit
 from fenics_contact.trust.resolution.unseen import unseen_contact
 
 
@@ -108,6 +109,7 @@ OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
     "action_and_reaction": lambda solved: action_and_reaction(solved.forces),
     "boundary_stress": lambda solved: boundary_stress(solved.forces),
     "unseen_contact": lambda solved: unseen_contact(solved.forces),
+    "slip_limit": lambda solved: slip_limit(solved.forces),
 }
 # Then those that laws claim.
 OF_LAWS: Mapping[str, Callable[[Claimed], Check | None]] = {

@@ -1,0 +1,126 @@
+"""How much of what friction can hold against rigid slip it does hold.
+
+Friction found at the points of contacts, τ with |τ| ≤ g, does work on a rigid motion r; it could do
+∫ g |[r]_T| at the most. The largest ratio of the two over motions along the contacts is the share
+of friction that is used: 0 where friction has no resultant, 1 where all of it slips as one. It is
+also the least s for which tractions within s g have the same force and moment (a linear function
+over a norm; R. T. Rockafellar, Convex Analysis, 1970, Theorem 16.4). Plain arrays, on any one rank.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+
+# Of the slip that a motion makes: what it may move across surfaces and yet be one along them.
+_ALONG = 1e-3
+# Of the largest: combinations of motions that slip less than that do not slip.
+_NO_SLIP = 1e-12
+# Of the least denominator: steps after which it counts as found, and how many there may be.
+_SETTLED, _STEPS = 1e-11, 500
+# Of the largest slip at a point: what is less counts as that much while weights are found.
+_LEAST_SLIP = 1e-9
+
+
+@dataclass(frozen=True)
+class RigidSlip:
+    """What rigid motions do at the closed points of contacts, of all ranks.
+
+    Attributes:
+        across: Σ over the contacts of ∫ r_n r_n′, of those that resist it, (motions, motions).
+        allowed: Σ of the square of what r_n may be of r_T, times ∫ r_T · r_T′, likewise.
+        work: Of the friction found on each motion, or of what it is to hold, (motions,)
+            (force × length).
+        bounds: Friction bound times area at the points, (points,) (force).
+        slips: Slips there as friction feels them, (points, components, motions).
+    """
+
+    across: Array
+    allowed: Array
+    work: Array
+    bounds: Array
+    slips: Array
+
+    def share(self) -> tuple[float | None, Array]:
+        """The share of friction that is used, and the motion that shows it.
+
+        Returns:
+            None where no motion of these slips on friction without moving across contacts, and
+            the motion, (motions,), of any size; 0 where there is none.
+        """
+        along = self._along()
+        count = along.shape[1]
+        none = None, np.zeros(len(self.work))
+        if count == 0 or not self.bounds.any():
+            return none
+        slips = self.slips @ along
+        gram = _gram(self.bounds, slips)
+        values, vectors = np.linalg.eigh(gram)
+        resisted = vectors[:, values > _NO_SLIP * max(values.max(initial=0.0), 0.0)]
+        if resisted.shape[1] == 0:
+            return none
+        along = along @ resisted
+        motion = along @ _least_denominator(self.bounds, slips @ resisted, self.work @ along)
+        most = float(self.bounds @ np.linalg.norm(self.slips @ motion, axis=1))
+        work = float(self.work @ motion)
+        return (work / most, motion) if work > 0 else (0.0, np.zeros_like(motion))
+
+    def _along(self) -> Array:
+        """Motions that do not move across contacts, as columns.
+
+        All of a space of them: r_n² ≤ (allowed)² r_T² for each of its motions, in the mean.
+        """
+        whole = self.across + self.allowed
+        values, vectors = np.linalg.eigh(whole)
+        moves = values > 1e-14 * values.max(initial=0.0)
+        whitened = vectors[:, moves] / np.sqrt(values[moves])
+        shares, combined = np.linalg.eigh(whitened.T @ self.across @ whitened)
+        return np.asarray(whitened @ combined[:, shares <= 0.5])
+
+
+def allowance(facet_turn: float) -> float:
+    """What a motion along a surface may move across it, over its slip.
+
+    Normals of facets tell those of the surface no better than by how far they are turned from them.
+
+    Args:
+        facet_turn: Angle between facets and the normals averaged over them (radians).
+    """
+    return max(_ALONG, facet_turn)
+
+
+def _least_denominator(bounds: Array, slips: Array, work: Array) -> Array:
+    """The motion a of work · a = 1 that minimises Σ g |slips a|, by weights that follow it.
+
+    A sum of lengths is least where that of squares over lengths is (E. Weiszfeld, 1937).
+
+    Args:
+        bounds: g, (points,).
+        slips: Of independent motions, (points, components, motions).
+        work: Of each motion, (motions,).
+    """
+    if not work.any():
+        return np.zeros_like(work)
+    weights, least = bounds, np.inf
+    best = np.zeros_like(work)
+    for _ in range(_STEPS):
+        motion = np.linalg.lstsq(_gram(weights, slips), work, rcond=1e-15)[0]
+        motion = motion / (work @ motion)
+        lengths = np.linalg.norm(slips @ motion, axis=1)
+        found = float(bounds @ lengths)
+        if found < least:
+            best = motion
+        if found > (1 - _SETTLED) * least:
+            break
+        least = found
+        weights = bounds / np.maximum(lengths, _LEAST_SLIP * lengths.max())
+    return best
+
+
+def _gram(weights: Array, slips: Array) -> Array:
+    """Σ w s_i · s_j over points, (motions, motions)."""
+    rows = (np.sqrt(weights)[:, None, None] * slips).reshape(-1, slips.shape[2])
+    return np.asarray(rows.T @ rows)
