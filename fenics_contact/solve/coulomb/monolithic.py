@@ -75,7 +75,8 @@ def monolithic(newton: Newton, start: Array) -> None:
             logger.info("%s; next: with the regularisation that this step needs", error)
             newton.restore(start)
     _find_scale(newton)
-    newton.restore(start)
+    if not newton.softened:
+        newton.restore(start)
     solve_coupled(newton)
 
 

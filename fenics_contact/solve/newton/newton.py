@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -29,28 +30,22 @@ from fenics_contact.solve.newton.failure import (
     not_converged,
     runaway,
 )
+from fenics_contact.solve.newton.penalty_path import PenaltyPath
+from fenics_contact.solve.newton.searches import (
+    ENERGY_SEARCH,
+    FULL_STEPS,
+    ON_THE_WAY,
+    QUICK,
+    THOROUGH_SEARCH,
+    comes_no_nearer,
+)
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.newton.solution_of_state import solution_of
 from fenics_contact.solve.newton.status_cycling import Chatter
 from fenics_contact.solve.systems import mumps
 from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)
-
-# Full steps are best from the adhesive start with the primal-dual tangent, where searches only
-# cost steps or stall in round-off. One-sided contact needs a search on the energy: for a point
-# along the step where its derivative vanishes, which takes no difference of nearly equal energies.
-FULL_STEPS: dict[str, Any] = {"snes_linesearch_type": "basic"}
-# Its absolute tolerance would be in the user's units, and end a solve behind our back.
-ENERGY_SEARCH: dict[str, Any] = {
-    "snes_linesearch_type": "cp",
-    "snes_linesearch_max_it": 3,
-    "snes_linesearch_atol": 1e-300,
-}
-# Newton steps with it at the most.
-_QUICK = 50
-# Where that does not come near enough to the point, as with very flat cells, or with a slender
-# body that would bend far through an obstacle: steps are cut before they are taken.
-THOROUGH_SEARCH = dict(FULL_STEPS)
 
 # Share of the applied forces above which a round-off floor is not believed: the
 # floor grows with |u|, and a body that runs away must not pass for an answer.
@@ -70,6 +65,7 @@ class Newton:
         imbalances: Force imbalance before every Newton step and at the end, of all solves (force).
         steps: Newton steps of all solves.
         begin: Where the next solve begins.
+        softened: Whether the last solve took softer penalties first: its start is a bad one.
         limit: Imbalance that the last solve accepted as converged (force).
         stopped: Whether this rank was asked to stop; asked before every Newton step.
     """
@@ -82,6 +78,7 @@ class Newton:
         self.imbalances: list[float] = []
         self.steps = 0
         self.limit = 0.0
+        self.softened = False
         self.begin = Beginning(problem, system, timings)
         self._hopeless: Callable[[], bool] | None = None
         self._chatter = Chatter(problem.contacts, problem.comm)
@@ -95,6 +92,7 @@ class Newton:
         self._before = 0
         self._searches = False
         self._search: dict[str, Any] = ENERGY_SEARCH
+        self._most: int | None = None
         self._own_options: list[str] = []
 
     def run(
@@ -119,6 +117,7 @@ class Newton:
         self._tolerance = tolerance or self.problem.scene.solver.tolerance
         self._searches = self._one_sided if search_energy is None else search_energy
         self._search = ENERGY_SEARCH
+        self.softened = False
         try:
             self._solve_patiently()
         finally:
@@ -143,9 +142,29 @@ class Newton:
                 self._searches = False  # so near, a search only follows round-off
             else:
                 self._search = THOROUGH_SEARCH
-                self.restore(start)
-                self.problem.stick_all()
+                self._soften(start)
             self._solve()
+
+    def _soften(self, start: Array) -> None:
+        """Go back to the start; find what closes under softer penalties first; collective."""
+        self.restore(start)
+        self.problem.stick_all()
+        path = PenaltyPath(self.problem)
+        if not path.exists:
+            return
+        self.softened, self._most = True, ON_THE_WAY
+        try:
+            path.follow(self._solve_a_little)
+        finally:
+            self._most = None
+        self.system.take(self.system.state)
+
+    def _solve_a_little(self) -> None:
+        before = self.save()
+        with suppress(NotConvergedError):
+            self._solve()
+        if not np.isfinite(self.imbalances[-1]):
+            self.restore(before)
 
     @property
     def _is_nearly_balanced(self) -> bool:
@@ -229,7 +248,9 @@ class Newton:
                 self._own_options.append(PREFIX + name)
         most = self.problem.scene.solver.max_iterations
         if self._searches and self._search is ENERGY_SEARCH:
-            most = min(most, _QUICK)
+            most = min(most, QUICK)
+        if self._most is not None:
+            most = min(most, self._most)
         # Only systems with a nonlinear solver of their own look at rtol.
         snes.setTolerances(rtol=self._tolerance, atol=0.0, stol=0.0, max_it=most)
         system.prepare(snes)
@@ -309,6 +330,10 @@ class Newton:
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         if self._searches and wanders and self._is_nearly_balanced:
             return NO_STEP_FOUND
+        if self._search is ENERGY_SEARCH and self._searches:
+            own = self.imbalances[self._before :]
+            if comes_no_nearer(own) and PenaltyPath(self.problem).exists:
+                return GIVEN_UP
         if self._hopeless is not None and iteration and iteration % _LONG == 0 and self._hopeless():
             return GIVEN_UP
         return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
@@ -324,26 +349,4 @@ class Newton:
 
     def solution(self, outer_iterations: int = 0, strategy: str = "") -> Solution:
         """What was found; collective."""
-        with self.timings.phase("solve"):
-            find_body = self.system.finish()
-        for contact in self.problem.contacts:
-            contact.touch()
-        nodes = [contact.trace.numbers for contact in self.problem.contacts]
-        normal = self.system.contact_forces("normal")
-        friction = self.system.contact_forces("friction")
-        problem = self.problem
-        preloads = problem.preload_states(find_body().displacement) if problem.preloads else ()
-        return Solution(
-            find_body=find_body,
-            normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
-            friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
-            friction_bound=[contact.friction.bound.copy() for contact in self.problem.contacts],
-            states=[contact.state() for contact in self.problem.contacts],
-            residual_history=tuple(self.imbalances),
-            newton_iterations=self.steps,
-            outer_iterations=outer_iterations,
-            strategy=strategy,
-            imbalance_limit=self.limit,
-            factorisations=self.system.factorisations,
-            preloads=preloads,
-        )
+        return solution_of(self, outer_iterations, strategy)

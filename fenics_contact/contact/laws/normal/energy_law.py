@@ -96,4 +96,4 @@ class PenaltyLaw(EnergyLaw):
 
     def soften(self, factor: float) -> None:
         """Divide the stiffness by a factor, from now on."""
-        self._softened = self._softness.value = factor
+        self.softened = self._softness.value = factor

@@ -49,6 +49,7 @@ class NormalLaw(ContactLaw):
         has_penalty: Whether its stiffness stands for no give at all.
         names_of_power: Where its pressure is a power of the depth, its parameters as
             ``field_slopes`` names them: c, and m unless that never changes.
+        softened: By which factor its penalty's stiffness is divided at present.
 
     Args:
         site: Where it acts.
@@ -60,6 +61,7 @@ class NormalLaw(ContactLaw):
     pushes_only: ClassVar[bool] = False
     has_penalty: ClassVar[bool] = False
     names_of_power: ClassVar[tuple[str, ...]] = ()
+    softened: float = 1.0
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:

@@ -119,7 +119,7 @@ class SpringLaw(NormalLaw):
         super().__init__(site)
         trace, kinematics = site.trace, site.kinematics
         self._fields = dict(self.fields())
-        self._softened = 1.0
+        self.softened = 1.0
         self._softness = fem.Constant(trace.surface.mesh, 1.0)
         self._held: Array | None = None  # pressures
         self._held_force: Array | None = None
@@ -215,7 +215,7 @@ class SpringLaw(NormalLaw):
 
     def _at(self, jump: Array) -> _AtJump:
         """What the density does at a jump; forces, pressures and tangents ask for it one by one."""
-        known, gap, softness = self._known, self.site.kinematics.gap, self._softened
+        known, gap, softness = self._known, self.site.kinematics.gap, self.softened
         if known is None or not known.is_of(jump, gap, softness):
             normals = self.site.trace.normals
             kept = jump.copy() if jump.flags.writeable else jump
@@ -248,7 +248,7 @@ class SpringLaw(NormalLaw):
     def stiffness(self, depth: Array) -> Array:
         """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""
         found = self._at_points.curvature("depth", **self._at_depth(depth))
-        return found / self._softened
+        return found / self.softened
 
     def traction(self, jump: Array) -> Array:
         """Traction along the surface on the body at a jump, (points, components) (stress)."""
@@ -256,12 +256,12 @@ class SpringLaw(NormalLaw):
 
     def stored(self, jump: Array) -> Array:
         """ψ at the points at a jump (energy/area)."""
-        return self._at_points.value(**self._values(jump)) / self._softened
+        return self._at_points.value(**self._values(jump)) / self.softened
 
     def pulled_back(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
         """By ψ's own derivatives, as its forces and tangents are."""
         acts, values = self.acts(self.pressure(jump)), self._values(jump)
-        factor = np.where(acts, 1 / self._softened, 0.0)
+        factor = np.where(acts, 1 / self.softened, 0.0)
         across = factor * self.site.kinematics.normal(of_slopes)
         along, energy = factor[:, None] * of_slopes, factor * of_energy
 
