@@ -114,6 +114,7 @@ class Neighbours:
         yield from self._misfits()
         yield from self._crossings()
         yield from self._overlaps()
+        yield from self._hinges()
 
     @cached_property
     def _tree(self) -> Any:
@@ -270,6 +271,28 @@ class Neighbours:
             yield Finding(
                 f"the middle of the element {first} lies in the element {second}, of another body "
                 f"({inside.sum()} such cells): the bodies overlap by more than half a cell",
+                False,
+            )
+
+    def _hinges(self) -> Iterator[Finding]:
+        """Nodes, in space edges, by which alone cells hang together.
+
+        Four outer facets meet there, where two meet everywhere else on the boundary.
+        """
+        kind = _FACETS[self._outer.shape[1]]
+        ends = np.array(basix.topology(kind)[-2])  # of a facet: its corners, in space its edges
+        ridges = self._outer[:, ends]
+        keys = vertex_keys(ridges, len(self.points))
+        _, first, counts = np.unique(keys, return_index=True, return_counts=True)
+        many = np.flatnonzero(counts > 2)
+        if len(many):
+            place = self._place(
+                self.points[ridges.reshape(-1, ends.shape[1])[first[many[0]]]].mean(0)
+            )
+            what = "a node" if self.points.shape[1] == 2 else "an edge"
+            yield Finding(
+                f"cells hang together by {what} alone at {place} ({len(many)} such places): they "
+                "turn about it as about a hinge; join them by a side, or take them apart",
                 False,
             )
 

@@ -90,6 +90,22 @@ def test_bodies_that_overlap_by_more_than_half_a_cell_are_told(folder):
         assert len([note for note in body.notes if "of another body (2 such" in note]) == count
 
 
+@pytest.mark.parametrize("cell", ["quadrilateral", "hexahedron"])
+def test_a_hinge_is_told(folder, cell):
+    """Of 2 × 2 cells only two remain, corner to corner."""
+    block = Block(cell, cells=(2, 2, 1)[: 2 if cell == "quadrilateral" else 3])
+    middles = block.flat[block.cells].mean(axis=1)
+    block.cells = block.cells[(middles[:, 0] < 1) == (middles[:, 1] < 0.5)]
+    body = load_body(
+        write(folder, inp(block, "CPE4" if cell == "quadrilateral" else "C3D8"), "a.inp"),
+        block.dimension,
+        COMM,
+    )
+    (note,) = body.notes
+    what = "a node" if cell == "quadrilateral" else "an edge"
+    assert f"cells hang together by {what} alone at (1, 0.5" in note
+
+
 QUARTER = """
 kinematics = "plane strain"
 mesh = { file = "FILE" }
