@@ -81,6 +81,8 @@ def of_value(value: object, problems: Sequence[Any], key: str = "") -> str:
     kinds = {problem["type"] for problem in problems}
     if isinstance(value, str):
         return _of_text(value, problems, kinds)
+    if kinds == {"tuple_type"} and isinstance(value, Mapping) and "." in key:
+        return " (an entry for each axis; a table may be one of them, as in [{ … }, 0])"
     if kinds == {"tuple_type"} and isinstance(value, Mapping):
         return f" (write [[{key}]], also where there is one)"
     if kinds == {"dataclass_type"} and isinstance(value, list) and "[" not in key:

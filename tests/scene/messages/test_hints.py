@@ -55,6 +55,11 @@ def refusal(path, *settings):
         ("kinematics", 'symmetry = "left"\nkinematics', 'a list (did you mean ["left"]?)'),
         ("[-300, 0]", "300", "must be a list (in brackets, as in [1, 2])"),
         # tables of one, and of several
+        (
+            "[-300, 0]",
+            '{ along = "y", at = [0, 1], values = [0, -300] }',
+            "must be a list (an entry for each axis; a table may be one of them, as in [{ … }, 0])",
+        ),
         ("[[load]]", "[load]", "must be a list (write [[load]], also where there is one)"),
         (
             "[[load]]",
@@ -89,7 +94,9 @@ def test_what_a_setting_breaks_is_said_of_the_setting(folder):
     found = refusal(path, "contact.0.mu=.5", "title=x")
     assert found.startswith(f"{path} with --set contact.0.mu=.5 --set title=x: unknown key ")
     assert "(did you mean 'friction_coefficient'?)" in found
-    assert "(did you mean the number 0.5?)" in refusal(path, "contact.0.friction_coefficient=.5")
+    assert "(did you mean the number 0.5?)" in refusal(path, "contact.0.friction_coefficient=0,5")
+    pointed = load_scene(path, ["contact.0.friction_coefficient=.5"])  # as no file may write it
+    assert pointed.contact[0].friction_coefficient == 0.5
     assert refusal(path, "contact[0].pressure=5").endswith(" a dot, as in contact.0.pressure")
     broken = write(folder, GOOD.replace("1000", "-1"))
     assert refusal(broken, "title=x").startswith(f"{broken}: material: youngs_modulus = -1")
