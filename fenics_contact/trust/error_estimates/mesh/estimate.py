@@ -45,7 +45,7 @@ from fenics_contact.trust.error_estimates.mesh.single_points import (
     touches_in_points,
 )
 from fenics_contact.trust.error_estimates.mesh.torn_corners import torn_errors
-from fenics_contact.trust.error_estimates.mesh.unseen_slip import unseen_slip
+from fenics_contact.trust.error_estimates.mesh.unseen_zones import unseen_zones
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,
     Measure,
@@ -126,7 +126,7 @@ def mesh_errors(
         if key in whole:
             whole[key] = max(whole[key], energy)
     at_contacts = _at_contacts(problem, solution)
-    pinned, unseen = _beside_pinned(problem, solution), unseen_slip(problem, solution)
+    pinned, unseen = _beside_pinned(problem, solution), unseen_zones(problem, solution)
     of_cycles = OfCycles(cycles_of(problem.scene), [time for time, _ in recorded])
     scatter = of_cycles.of_ends(scatter)
     curved, torn, points = (of_cycles.of_steps(found) for found in (curved, torn, points))

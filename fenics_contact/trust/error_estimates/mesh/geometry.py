@@ -50,12 +50,12 @@ def geometry_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, f
     problem, solution = load_steps.problem, load_steps.last.solution
     answer = measure(solution)
     gaps, body = _missed_gaps(problem), MissedBody(problem)
-    if body.is_none and not gaps:
-        return dict.fromkeys(answer, 0.0)
     forces = None if body.is_none else body.forces(solution, load_steps.time)
-    found = differences(answer, _again(load_steps, measure, gaps, forces))
-    if found is None or forces is None:
-        return found
+    found: dict[Hashable, float] | None = dict.fromkeys(answer, 0.0)
+    if gaps or forces is not None:
+        found = differences(answer, _again(load_steps, measure, gaps, forces))
+    if found is None:
+        return None
     for key, error in _beside_forces(answer, body, forces, load_steps).items():
         if key in found:
             found[key] += error
@@ -106,19 +106,18 @@ def set_gap(contact: ContactSurface, gap: Array) -> None:
 
 
 def _beside_forces(
-    answer: Quantities, body: MissedBody, forces: MissedForces, load_steps: LoadSteps
+    answer: Quantities, body: MissedBody, forces: MissedForces | None, load_steps: LoadSteps
 ) -> dict[Hashable, float]:
     """What is missed of quantities themselves, besides what moves the solution; collective."""
-    energy = abs(forces.elastic) / 2
-    found: dict[Hashable, float] = {
-        "strain_energy": energy,
-        "external_work": 2 * energy + abs(forces.loads),
-    }
+    found: dict[Hashable, float] = {}
+    if forces is not None:
+        energy = abs(forces.elastic) / 2
+        found = {"strain_energy": energy, "external_work": 2 * energy + abs(forces.loads)}
     for number in range(len(load_steps.problem.contacts)):
         sizes = {name: float(np.linalg.norm(answer.get((number, name), 0.0))) for name in _ALL}
         longer = body.longer(number)
         errors = {name: longer * sizes[name] for name in _AREAS}
-        pressure = body.of_pressure(number, load_steps.time)
+        pressure = None if forces is None else body.of_pressure(number, load_steps.time)
         if pressure is not None:
             errors |= {name: pressure.share * sizes[name] for name in _OF_PRESSURE}
             errors["normal_force"] = pressure.force

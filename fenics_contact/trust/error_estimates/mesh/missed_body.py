@@ -106,18 +106,24 @@ class MissedBody:
         return missed_pressure(self._problem.contacts[number], self._sides, time)
 
     def longer(self, number: int) -> float:
-        """How much larger a contact's surface is than its facets, over these; collective."""
+        """How far a contact's surface is from what its points stand for, over this; collective.
+
+        By what cells miss of a curve, and by what the rule of the points misses of curved cells:
+        Simpson's rule of a parabola through three points of a circle falls short by as much as this
+        parabola does, so that counts twice.
+        """
         spaces, sides = self._problem.spaces, self._sides
-        if sides.offset is None:
+        if sides.offset is None and spaces.geometry_order == 1:
             return 0.0
-        group = self._problem.contacts[number].trace.group
-        parts = [
-            spaces.weight * sides.stretch * sides.measure(sides.within(group)),
-            spaces.weight * spaces.boundary(group),
-        ]
+        trace = self._problem.contacts[number].trace
+        parts = [spaces.weight * spaces.boundary(trace.group)]
+        if sides.offset is not None:
+            within = sides.measure(sides.within(trace.group))
+            parts.append(spaces.weight * sides.stretch * within)
         found = [float(fem.assemble_scalar(form_cache.form(part))) for part in parts]
-        more, whole = total(self._problem.comm, np.array(found))
-        return float(more / whole)
+        whole, *more = total(self._problem.comm, np.array(found))
+        missed = 2 * abs(whole - trace.area) + abs(sum(more))
+        return float(missed / trace.area)
 
     def _elastic(self) -> Array:
         """Nodal forces of the stiffness missed, in the state of the solution."""

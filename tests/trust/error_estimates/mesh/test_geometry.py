@@ -33,6 +33,7 @@ from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
+from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import ROOT, box_body, with_solver
 
 pytestmark = pytest.mark.errors
@@ -371,3 +372,17 @@ def test_pressure_that_is_given_is_not_what_nodes_and_their_normals_say(body, pr
         error = abs(result.quantities[name] - true)
         assert error > 0.005 * true
         assert error < result.errors[name]["total"] < 3 * error
+
+
+def test_the_rule_of_points_misses_of_curved_cells_what_the_bar_of_the_area_says():
+    """Beneath a pressure on a quarter of a circle, on cells of order 2: almost none before."""
+    body = boxes((Box("body", (0.0, 0.0), (1.0, 1.0), (8, 2)),), "quadrilateral", COMM, 2)
+    angle, radius = np.pi / 2 * body.mesh.geometry.x[:, 0], 1 + body.mesh.geometry.x[:, 1]
+    body.mesh.geometry.x[:, 0] = radius * np.sin(angle)
+    body.mesh.geometry.x[:, 1] = radius * np.cos(angle)
+    contact = Contact("body.y0", pressure=1.0, friction_coefficient=0.1)
+    support = (Support("body.x0", {"x": 0}), Support("body.x1", {"y": 0}))
+    result = run(dataclasses.replace(RING, support=support, contact=(contact,)), COMM, body)
+    error = abs(result.quantities["contact_area"] - np.pi / 2)
+    assert error > 1e-6
+    assert error < result.errors["contact_area"]["total"] < 3 * error

@@ -1,0 +1,116 @@
+"""Slip and gaps that no point of the mesh shows.
+
+Slip where all that touches sticks, as far as can be seen. Beside edges and corners what a surface
+that sticks carries rises as one over the root of the distance at the most, and pressures do not
+(K. L. Johnson, Contact Mechanics, Cambridge 1985, section 2.8). Where at the end of a piece of
+width b friction is the share u of its bound g, it is at that bound up to u² b from the edge: there
+something may slip. What it does not carry of the traction moves the surface by about g u² b/E*
+(section 2.2: strains of a surface are of the order of the tractions over E*).
+
+A gap where the last point of a surface touches, but carries little beside its neighbour. Pressure
+rises from the edge of what touches as the root of the distance (chapters 4 and 5). With the edge at
+the share s of a piece from its end, what the end stands for, half of the piece, carries in the mean
+(4/3) (1/2 − s)^1.5 / (1 − s)^.5 of what the other end does: with less than .47 of it, s > 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+import numpy as np
+
+from fenics_contact.common.parallel import largest, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import OPEN, SLIP, ContactState
+from fenics_contact.evaluate.contact_areas import cut_areas
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.newton.solution import Solution
+
+_AREAS = ("stick_area", "slip_area")
+# Shares of a piece that may be open, and what its end then carries over its other end.
+_OPEN = np.linspace(0.0, 0.5, 101)
+_CARRIED = 4 / 3 * (0.5 - _OPEN) ** 1.5 / np.sqrt(1 - _OPEN)
+
+
+def unseen_zones(problem: Problem, solution: Solution) -> dict[Hashable, float]:
+    """What is not known of quantities by slip and gaps that no point shows; collective.
+
+    Args:
+        problem: The model.
+        solution: Its solution.
+
+    Returns:
+        Of each contact by its number and the name, and of all by the name.
+    """
+    found = _unseen_slip(problem, solution)
+    for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
+        area = _unseen_gap(contact, state)
+        for name in ("contact_area", *_AREAS):
+            for key in (name, (number, name)):
+                found[key] = found.get(key, 0.0) + area
+    return found
+
+
+def _unseen_gap(contact: ContactSurface, state: ContactState) -> float:
+    """Area of what may be open beside ends that touch; collective.
+
+    None of foundations: their pressure is known where they end.
+    """
+    trace, pieces = contact.trace, contact.trace.pieces
+    if not (contact.is_one_sided and contact.has_penalty):
+        return 0.0
+    closed = (state.status != OPEN)[pieces.points]
+    pressures = np.where(closed, state.contact_pressure[pieces.points], 0.0)
+    # An end has no neighbour that carries much less; beside an open one the edge is seen.
+    lower = pressures.min(axis=1, initial=np.inf, keepdims=True) < _CARRIED[0] * pressures
+    counts = np.zeros(len(trace.surface.coordinates))
+    np.add.at(counts, pieces.nodes, lower | ~closed.all(axis=1, keepdims=True))
+    ends = trace.surface.summed(counts)[pieces.nodes] == 0
+    most = pressures.max(axis=1, initial=0.0, keepdims=True)
+    carried = pressures / np.where(most > 0, most, 1.0)
+    share = np.interp(-carried, -_CARRIED, _OPEN) * (ends & (most > 0))
+    areas = np.array(
+        [(pieces.measures * share.max(axis=1, initial=0.0)).sum(), pieces.measures.sum()]
+    )
+    gap, every = total(contact.spaces.comm, areas)
+    return trace.area * float(gap / every)
+
+
+def _unseen_slip(problem: Problem, solution: Solution) -> dict[Hashable, float]:
+    """What is not known of areas, slips and friction works of such contacts; collective.
+
+    Args:
+        problem: The model.
+        solution: Its solution.
+
+    Returns:
+        Of each contact by its number and the name, and of all by the name; nothing of contacts on
+        which some points slip, of those that do not touch, and of those that rub nowhere.
+    """
+    found: dict[Hashable, float] = {}
+    for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
+        for name, unknown in _of_contact(contact, state).items():
+            found[number, name] = unknown
+            before = found.get(name, 0.0)
+            found[name] = max(before, unknown) if name == "max_slip" else before + unknown
+    return found
+
+
+def _of_contact(contact: ContactSurface, state: ContactState) -> dict[str, float]:
+    if not contact.friction.rubs:
+        return {}
+    comm, pieces = contact.trace.spaces.comm, contact.trace.pieces
+    if largest(comm, (state.status == SLIP).astype(float)) > 0:
+        return {}
+    closed = state.status != OPEN
+    bounds = np.where(closed, contact.friction.bound_of(state.contact_pressure), 0.0)
+    carried = contact.friction.rule.metric.carried(state.friction_traction)
+    used = np.where(bounds > 0, carried / np.where(bounds > 0, bounds, 1.0), 0.0)
+    share = min(1.0, largest(comm, used)) ** 2
+    touching = closed[pieces.points].any(axis=1)
+    areas = np.where(touching, pieces.areas * pieces.weights.mean(axis=1), 0.0)
+    sides = pieces.areas if contact.spaces.components == 2 else np.sqrt(2 * pieces.areas)
+    area = share * max(largest(comm, areas), cut_areas(contact, state)[0])
+    bound, width = largest(comm, bounds), share * largest(comm, np.where(touching, sides, 0.0))
+    slip = bound * width / contact.moduli.plane_strain
+    return dict.fromkeys(_AREAS, area) | {"max_slip": slip, "friction_work": bound * slip * area}
