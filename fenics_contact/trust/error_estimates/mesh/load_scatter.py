@@ -81,11 +81,14 @@ def load_scatter(
     pairs = zip(problem.contacts, load_steps.last.solution.states, strict=True)
     spans = _spans(load_steps, piece_share(pairs), [time for time, _ in recorded])
     looked_at = [(span, _over(span, load_steps, measure, recorded, edges)) for span in spans]
-    still = standing(edges, [found for _, found in looked_at[0][1]])
+    still, far_still = (
+        standing(edges, [found for _, found in rows]) for _, rows in (looked_at[0], looked_at[-1])
+    )
     found = []
-    if not still or len(still) < len(edges):
+    # Of pieces that are large beside the contact the near span moves no edge by half of one.
+    if not still or len(far_still) < len(edges):
         enough = [(span, rows) for span, rows in looked_at if len(rows) >= _ENOUGH]
-        if not enough:
+        if not enough and len(still) < len(edges):
             return None
         found += [_about_polynomials(rows, (last, span)) for span, rows in enough]
     if still:

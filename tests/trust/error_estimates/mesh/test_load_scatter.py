@@ -6,6 +6,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, HalfSpace, Material, MeshSource, Obstacle, Scene, Support, run
 from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.published.point import HERTZ, half_space_scene
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.errors
@@ -46,6 +47,18 @@ def test_bars_of_a_force_hold_where_a_contact_is_one_to_four_cells_wide():
         ratios.append(result.errors["normal_force"]["total"] / error)
     assert min(ratios) > 1, ratios
     assert np.median(ratios) < 4
+
+
+def test_an_edge_that_moves_over_the_long_span_alone_scatters():
+    """Of cells as large as this, what the short span tells is none of it: the bar was .09 of it."""
+    obstacle = Obstacle("paraboloid", radius=8.0, indentation=1.0)
+    size, extent, fine = 2.0, 60.0, 4.0
+    outside = round((extent - fine) / size + 1)
+    scene = half_space_scene(obstacle, extent=extent, fine=fine, size=size, cells_outside=outside)
+    result = run(scene)
+    error = abs(result.quantities["normal_force"] - HERTZ.force)
+    assert error > 0.03 * HERTZ.force
+    assert 0.9 * error < result.errors["normal_force"]["total"] < 3 * error
 
 
 def over_a_gap(comm=MPI.COMM_WORLD):
