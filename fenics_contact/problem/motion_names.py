@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.parallel import largest
+from fenics_contact.problem.existence.rigid_slip import allowance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
 
@@ -31,7 +32,9 @@ def named_motions(problem: Problem, rigid: RigidMotions) -> list[dict[str, Any]]
             across = contact.kinematics.normal(jumps)
             along = np.linalg.norm(contact.kinematics.tangential(jumps), axis=1)
             acts = contact.kinematics.reached | contact.normal.pressure_is_known
-            presses = contact.is_one_sided
+            size = allowance(contact.kinematics.facet_turn) * largest(problem.comm, along[acts])
+            # Facets do not hold what a round surface does not.
+            presses = contact.is_one_sided and largest(problem.comm, np.abs(across)[acts]) > size
             for word, sizes in (
                 ("contact", np.abs(across) * presses),
                 ("friction", along * contact.friction.rubs),

@@ -51,7 +51,7 @@ class RigidSlip:
             None where no motion of these slips on friction without moving across contacts, and
             the motion, (motions,), of any size; 0 where there is none.
         """
-        along = self._along()
+        along, _ = motions_along(self.across, self.allowed)
         count = along.shape[1]
         none = None, np.zeros(len(self.work))
         if count == 0 or not self.bounds.any():
@@ -68,17 +68,27 @@ class RigidSlip:
         work = float(self.work @ motion)
         return (work / most, motion) if work > 0 else (0.0, np.zeros_like(motion))
 
-    def _along(self) -> Array:
-        """Motions that do not move across contacts, as columns.
 
-        All of a space of them: r_n² ≤ (allowed)² r_T² for each of its motions, in the mean.
-        """
-        whole = self.across + self.allowed
-        values, vectors = np.linalg.eigh(whole)
-        moves = values > 1e-14 * values.max(initial=0.0)
-        whitened = vectors[:, moves] / np.sqrt(values[moves])
-        shares, combined = np.linalg.eigh(whitened.T @ self.across @ whitened)
-        return np.asarray(whitened @ combined[:, shares <= 0.5])
+def motions_along(across: Array, allowed: Array) -> tuple[Array, Array]:
+    """Motions that do not move across contacts: r_n² ≤ (allowed r_T)² in the mean.
+
+    Of all motions of the space that they span.
+
+    Args:
+        across: As of ``RigidSlip``.
+        allowed: Likewise.
+
+    Returns:
+        They, as columns, (motions, found), and rows that tell how much of each is in a motion,
+        (found, motions).
+    """
+    whole = across + allowed
+    values, vectors = np.linalg.eigh(whole)
+    moves = values > 1e-14 * values.max(initial=0.0)
+    whitened = vectors[:, moves] / np.sqrt(values[moves])
+    shares, combined = np.linalg.eigh(whitened.T @ across @ whitened)
+    found = whitened @ combined[:, shares <= 0.5]
+    return found, found.T @ whole
 
 
 def allowance(facet_turn: float) -> float:

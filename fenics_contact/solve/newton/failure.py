@@ -82,6 +82,11 @@ def runaway(problem: Problem, system: System) -> str | None:
     """
     if system.moved() <= _RUNAWAY * problem.spaces.size:
         return None
+    if problem.coulomb and RigidMotions(problem).count:
+        return (
+            "the body runs away: displacements are more than a thousand times its size; friction "
+            "is to hold what supports leave free, and the loads may be more than it can hold"
+        )
     return (
         "the body runs away: displacements are more than a thousand times its size; is it "
         "held, and are loads and stiffness in the same units?"

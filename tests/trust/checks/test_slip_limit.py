@@ -13,6 +13,7 @@ from fenics_contact import (
     Load,
     Material,
     MeshSource,
+    NoEquilibriumError,
     Obstacle,
     Run,
     Scene,
@@ -245,3 +246,34 @@ def test_a_block_turned_about_the_normal_of_the_floor():
     assert of_contact == pytest.approx(0.6, rel=1e-2)
     assert list(parts.values()) == [pytest.approx(of_contact, rel=1e-9)]
     assert result.exit_code == 0
+
+
+def braked(geometry, share, pads=True):
+    """A ring that turns in a frictionless fit, held by pads in its hole that press with 1."""
+    scene = ring_in_ring(geometry, 0.0)
+    # Of the pads: .2 × 1 × 2π r² at r = .5; ∫ r² over the ring is π/2 (1 − r⁴).
+    turn = share * 0.2 * 2 * np.pi * 0.25 / (np.pi / 2 * (1 - 0.5**4))
+    fit = dataclasses.replace(scene.contact[0], friction_coefficient=0.0)
+    pad = Contact("shaft.hole", pressure=1.0, friction_coefficient=0.2)
+    force = (lambda x: -turn * x[1], lambda x: turn * x[0])
+    return dataclasses.replace(
+        scene,
+        load=(Load("shaft.body", body_force=force),),
+        contact=(fit, pad) if pads else (fit,),
+        steps=Steps(),
+    )
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_facets_of_a_bearing_do_not_hold_its_shaft(geometry, order):
+    """Where pressures are known, what they cannot hold is refused before anything is solved."""
+
+    def meshed(scene):
+        mesh = tuple(dataclasses.replace(source, order=order) for source in scene.mesh)
+        return dataclasses.replace(scene, mesh=mesh)
+
+    held = Run(meshed(braked(geometry, 0.98)), COMM)
+    assert held.free_motion.used_share == pytest.approx(0.98, rel=3e-2 if order == 1 else 1e-3)
+    for share, pads in ((1.05, True), (0.5, False)):
+        with pytest.raises(NoEquilibriumError, match="rotation about z of 'shaft'"):
+            Run(meshed(braked(geometry, share, pads)), COMM)
