@@ -161,7 +161,7 @@ def global_quantities(forces: NeededForces, contacts: list[dict[str, Any]]) -> d
         work += pushed @ surface.kinematics.direction * driven
         work += pushed @ surface.kinematics.displacement
         pressure = float(surface.trace.integral(state.contact_pressure))
-        work += pressure * surface.kinematics.interference
+        work += pressure * surface.kinematics.pressing_interference
     work += sum(state.force * state.shortening for state in solution.preloads)
     made = of_all_contacts(contacts)
     return {

@@ -137,7 +137,9 @@ ALL = (
         "external_work",
         "energy",
         "work of loads, supports, obstacles, preloads and interferences along the load steps; of a "
-        "single step that of the final forces on the final displacements",
+        "single step that of the final forces on the final displacements, which is twice the "
+        "strain energy where all grows in proportion. An interference does work on its way beyond "
+        "a gap that is drawn",
     ),
     Quantity(
         "friction_work",

@@ -220,3 +220,25 @@ def test_a_book_goes_on_where_it_was_left():
         solve(problem, accepted=count, choice=prepared.choice)
         results.append((kept["energy_defect"], books[-1].check(kept)))
     assert results[0] == results[1]
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.5])
+def test_interference_does_no_work_on_the_way_through_a_drawn_gap(gap):
+    """Clapeyron's theorem: the final pressure on its way beyond the gap is twice the energy."""
+    parts = (Box("lower", (0, 0), (1, 1), (2, 2)), Box("upper", (0, 1 + gap), (1, 2 + gap), (3, 2)))
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.0),
+        support=(Support("lower.y0", {"x": 0, "y": 0}), Support("upper.y1", {"x": 0, "y": 0})),
+        contact=(
+            Contact(
+                "upper.y0", against="lower.y1", interference=gap + 1e-3, penalty_parameter=2e-6
+            ),
+        ),
+    )
+    quantities = run(scene, COMM, boxes(parts)).quantities
+    pressure = 1e-3 / (2 / 1000 + 2e-6)
+    assert quantities["pressure_integral"] == pytest.approx(pressure, rel=1e-9)
+    assert quantities["external_work"] == pytest.approx(1e-3 * pressure, rel=1e-9)
+    stored = quantities["strain_energy"] + quantities["penalty_energy"]
+    assert quantities["external_work"] == pytest.approx(2 * stored, rel=1e-9)

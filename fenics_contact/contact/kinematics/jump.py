@@ -15,7 +15,7 @@ from dolfinx import fem
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import of_every_rank, on_root, total
+from fenics_contact.common.parallel import of_every_rank, on_root, smallest, total
 from fenics_contact.contact.kinematics.between_points import BetweenPoints
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
 from fenics_contact.contact.mortar.pairing import Pairing, gathered, own_facets
@@ -219,6 +219,18 @@ class ContactKinematics(ABC):
     def distance_as_drawn(self) -> Array:
         """At the points, from one side to the other, without interference and wear (length)."""
         return self._drawn
+
+    @property
+    def pressing_interference(self) -> float:
+        """The interference beyond the gap that the meshes leave open everywhere; collective.
+
+        No force acts on the way through that gap, so the interference does no work there (length).
+        """
+        if self.interference <= 0:
+            return self.interference
+        drawn = self.distance_as_drawn[self.trace.owned & self.reached]
+        free = smallest(self.trace.surface.comm, drawn)
+        return self.interference - float(np.clip(free, 0.0, self.interference))
 
     def whole_gap(self) -> Array:
         """The gap as an obstacle stands, also at points left out of its reach (length)."""

@@ -302,7 +302,7 @@ class Quantities:
             answers = answers.with_traction(contact, weights[:, None] * raised)
             found.contacts[number] = answers
             answers.jump -= weights[:, None] * traction
-            answers.pressure += kinematics.interference * weights
+            answers.pressure += kinematics.pressing_interference * weights
             integral = contact.trace.integral
             answers.interference += float(integral(state.contact_pressure))
             answers.brought_up += float(integral(traction) @ kinematics.direction)
