@@ -10,6 +10,7 @@ from fenics_contact.verification.laws import compliance as compliance_cases
 from fenics_contact.verification.laws import micro_slip as micro_slip_cases
 from fenics_contact.verification.laws import orthotropic as orthotropic_cases
 from fenics_contact.verification.laws import slip_weakening as slip_weakening_cases
+from fenics_contact.verification.laws import torque as torque_cases
 from fenics_contact.verification.laws import wear as wear_cases
 from fenics_contact.verification.laws import wear_limit as wear_limit_cases
 from fenics_contact.verification.memory import check as memory_check
@@ -52,6 +53,7 @@ CASES: tuple[Case, ...] = (
     *slip_weakening_cases.CASES,
     *micro_slip_cases.CASES,
     *orthotropic_cases.CASES,
+    *torque_cases.CASES,
     *wear_cases.CASES,
     *wear_limit_cases.CASES,
     *fretting_cases.CASES,

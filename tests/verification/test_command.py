@@ -258,7 +258,17 @@ def test_fits_and_joints(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["patch", "airy", "pair_solvers", "pair_reaction", "pair_rigid", "incline", "resting"]
+    "name",
+    [
+        "patch",
+        "airy",
+        "pair_solvers",
+        "pair_reaction",
+        "pair_rigid",
+        "incline",
+        "resting",
+        "torque",
+    ],
 )
 def test_two_bodies(name):
     (case,) = (case for case in verification.CASES if case.name == name)

@@ -1,1 +1,1 @@
-"""Laws of friction beside Coulomb's, against formulas for bodies that are much stiffer."""
+"""Laws of friction: what Coulomb's holds, and others, against formulas for stiffer bodies."""
