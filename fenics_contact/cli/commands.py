@@ -225,13 +225,13 @@ def _asked_report(options: argparse.Namespace) -> int:
 
 
 def _report(folder: Path, quiet: bool) -> int:
-    from fenics_contact.report.fit.files import RECORD as FIT
     from fenics_contact.report.fit.page import write_fit_page
     from fenics_contact.report.report import PAGE, write_report
     from fenics_contact.report.sweep.files import RECORD
     from fenics_contact.report.sweep.page import write_sweep_page
     from fenics_contact.report.wear.files import HISTORY as WEAR
     from fenics_contact.report.wear.page import write_wear_page
+    from fenics_contact.results.fit_record import RECORD as FIT
 
     if (folder / RECORD).exists():
         written = [write_sweep_page(folder)]

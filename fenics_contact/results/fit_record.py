@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from fenics_contact.results.records.record import Record
 from fenics_contact.results.records.units import UnitsRecord
 
+#: The files of a fit in its folder: the record, both curves, and the page.
+RECORD, CURVE, PAGE = "fit.json", "fit.csv", "fit.html"
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FittedParameter(Record):

@@ -5,7 +5,7 @@ import json
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import load_scene, main, run
+from fenics_contact import NotConvergedError, Study, load_scene, main, run
 from tests.scenes import ROOT
 
 SLAB = str(ROOT / "demos" / "slab.toml")
@@ -80,3 +80,93 @@ def test_several_ranks_are_refused(capsys):
     assert main(["fit", SLAB, "data.csv", "--parameters", FRICTION]) == 2
     if MPI.COMM_WORLD.rank == 0:
         assert "fit: it runs on one rank; start it without mpirun" in capsys.readouterr().err
+
+
+class Solves:
+    """Counts curves that are solved for; in place of one of them it may raise an error."""
+
+    def __init__(self, monkeypatch, fails_at=None, error=KeyboardInterrupt):
+        self.number, tries, solve = 0, iter(range(100)), Study.history
+
+        def counted(study, *args, **kwargs):
+            if next(tries) == fails_at:
+                raise error
+            self.number += 1
+            return solve(study, *args, **kwargs)
+
+        monkeypatch.setattr(Study, "history", counted)
+
+
+def fitted(monkeypatch, folder, *words, fails_at=None, error=KeyboardInterrupt, data=None):
+    """Exit code of a fit of the slab in a folder, and how many curves were solved for."""
+    data = data or written(folder.parent, [(-3000, 860.0)])
+    start = ["--set", f"{FRICTION}=0.2", "--parameters", f"{FRICTION}=0.1:0.37"]
+    with monkeypatch.context() as meanwhile:
+        solves = Solves(meanwhile, fails_at, error)
+        code = main(["fit", SLAB, data, *start, "--out", str(folder), "--quiet", *words])
+    return code, solves.number
+
+
+@alone
+def test_an_interrupted_fit_goes_on_to_the_same_numbers(tmp_path, monkeypatch, capsys):
+    """Every curve is solved for once: those of before and those of after are those of a fit."""
+    whole, out = tmp_path / "whole", tmp_path / "out"
+    code, every = fitted(monkeypatch, whole)
+    assert code == 0 and every > 4
+    assert fitted(monkeypatch, out, fails_at=2) == (130, 2)
+    assert "interrupted; --resume goes on from the curves" in capsys.readouterr().err
+    assert [path.name for path in out.iterdir()] == ["fit.journal"]
+    assert fitted(monkeypatch, out, "--resume", fails_at=every - 3) == (130, every - 3)
+    assert not (out / "fit.json").exists()
+    assert fitted(monkeypatch, out, "--resume") == (0, 1)
+    records = [json.loads((folder / "fit.json").read_text()) for folder in (whole, out)]
+    for record in records:
+        for key in ("value", "low", "high", "noise", "discretisation"):
+            given, found = (one["parameters"][FRICTION][key] for one in (records[0], record))
+            assert found == pytest.approx(given, rel=1e-9)
+        assert record["evaluations"] == records[0]["evaluations"] == every
+        assert (record["verdict"], record["checks"]) == (records[0]["verdict"], [])
+    assert fitted(monkeypatch, out, "--resume") == (0, 0)  # all of it is known
+    assert fitted(monkeypatch, out) == (0, every)
+
+
+@alone
+def test_what_has_no_answer_is_not_tried_again(tmp_path, monkeypatch):
+    """A step that ends without one is part of the search, and of its journal."""
+    out = tmp_path / "out"
+    error = NotConvergedError("no answer")
+    code, solved = fitted(monkeypatch, out, fails_at=1, error=error)
+    record = json.loads((out / "fit.json").read_text(encoding="utf-8"))
+    assert code == 0 and record["evaluations"] == solved + 1
+    assert fitted(monkeypatch, out, "--resume") == (0, 0)
+    assert json.loads((out / "fit.json").read_text(encoding="utf-8")) == record
+
+
+@alone
+@pytest.mark.parametrize(
+    ("words", "rows", "differs"),
+    [
+        (["--set", "material.0.youngs_modulus=2e5"], None, "material of the scene"),
+        (["--parameters", "load.0.traction.1"], None, "the parameters"),
+        ([], [(-3000, 870.0)], "the measured curve"),
+        (
+            ["--set", f"{FRICTION}=0.3"],
+            [(-3000, 1.0)],
+            "contact of the scene, the measured curve",
+        ),
+    ],
+)
+def test_the_journal_of_another_fit_is_refused(words, rows, differs, tmp_path, monkeypatch, capsys):
+    out = tmp_path / "out"
+    fitted(monkeypatch, out, fails_at=1)
+    before = (out / "fit.journal").read_bytes()
+    capsys.readouterr()
+    data = rows and written(tmp_path, rows)
+    assert fitted(monkeypatch, out, *words, "--resume", data=data) == (2, 0)
+    err = capsys.readouterr().err
+    assert len(err.strip().splitlines()) == 1
+    assert f"is of another fit: what differs is {differs}; leave --resume out" in err
+    assert (out / "fit.journal").read_bytes() == before
+    (out / "fit.journal").write_bytes(b"nothing of the kind, but some bytes")
+    assert fitted(monkeypatch, out, "--resume") == (2, 0)
+    assert "is damaged, or no journal of a fit" in capsys.readouterr().err

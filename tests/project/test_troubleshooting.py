@@ -51,6 +51,7 @@ NOT_OF_SCENES = {
     "simulation/fits/measured.py",
     "simulation/fits/parameters.py",
     "simulation/sweeps/grid.py",
+    "simulation/output/journal_file.py",
     "simulation/sweeps/journal.py",
     "verification/command.py",
 }

@@ -9,16 +9,20 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from fenics_contact.common.errors import InputError
+from fenics_contact.common.errors import InputError, StoppedError
+from fenics_contact.common.failures import original
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.report.fit.files import CURVE, PAGE, RECORD
 from fenics_contact.report.fit.page import write_fit_page
 from fenics_contact.report.fit.tables import interval_in_words
-from fenics_contact.results.fit_record import FitRecord
+from fenics_contact.results.fit_record import CURVE, PAGE, RECORD, FitRecord
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.scene.writing import SCENE_FILE
+from fenics_contact.simulation.fits.fit import Fit
 from fenics_contact.simulation.fits.fit import fit as find
+from fenics_contact.simulation.fits.journal import NAME, FitJournal
+from fenics_contact.simulation.fits.measured import read_measured
 from fenics_contact.simulation.fits.output import write_fit
+from fenics_contact.simulation.fits.parameters import parameters_of
 from fenics_contact.simulation.output.run_folder import require_writable
 from fenics_contact.simulation.studies.study import Study
 
@@ -34,6 +38,7 @@ def fit(options: argparse.Namespace) -> int:
     Raises:
         InputError: It is wrong, or the scene or the data cannot be used.
         NotConvergedError: The scene has no answer where the search begins.
+        StoppedError: It was interrupted; curves that are done are kept.
         MachineError: The machine failed.
     """
     if MPI.COMM_WORLD.size > 1:  # before each of them reads the scene
@@ -45,7 +50,7 @@ def fit(options: argparse.Namespace) -> int:
     require_writable(folder, MPI.COMM_SELF)
     study = Study(load_scene(options.scene, options.overrides), MPI.COMM_SELF)
     try:
-        found = find(study, options.measured, words, options.of)
+        found = _found(study, options, words, folder)
     finally:
         study.close()
     record = write_fit(folder, found, study.changed(found.changes), str(options.scene))
@@ -53,6 +58,27 @@ def fit(options: argparse.Namespace) -> int:
     if not options.quiet or record.exit_code:
         print("\n".join(one_line(line) for line in _said(record, folder)))
     return record.exit_code
+
+
+def _found(study: Study, options: argparse.Namespace, words: list[str], folder: Path) -> Fit:
+    """What the search finds, with a journal of its curves.
+
+    Raises:
+        StoppedError: It was interrupted, after curves that are kept.
+    """
+    measured = read_measured(options.measured, study.scene, options.of)
+    chosen = parameters_of(study.scene, words)
+    journal = FitJournal(folder, study.scene, measured, chosen, options.resume)
+    try:
+        return find(study, measured, words, journal=journal)
+    except (Exception, KeyboardInterrupt) as error:
+        if journal.is_there and isinstance(original(error), KeyboardInterrupt):
+            raise StoppedError(
+                "interrupted; --resume goes on from the curves that are done"
+            ) from None
+        raise
+    finally:
+        journal.close()
 
 
 def _draw(folder: Path) -> None:
@@ -69,6 +95,6 @@ def _said(record: FitRecord, folder: Path) -> Iterator[str]:
         yield f"{key} = {interval_in_words(record, key)}"
     yield f"{record.verdict} {record.evaluations} curves were solved for."
     yield from record.notes
-    names = (RECORD, CURVE, SCENE_FILE, PAGE)
+    names = (RECORD, CURVE, SCENE_FILE, PAGE, NAME)
     written = [name for name in names if (folder / name).exists()]
     yield f"Wrote {', '.join(written)} in {folder}"

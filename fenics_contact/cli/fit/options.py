@@ -10,6 +10,7 @@ Finds the values of some numbers of a scene for which its run meets a measured c
 squares with exact derivatives. Each value has an interval for 95 %, of the noise of the data and of
 what mesh, penalty and regularisation may change. It says which numbers the data cannot tell apart,
 and writes fit.json, a table of both curves, pictures, a page, and the scene with these values.
+Curves that are solved for are kept at once: --resume goes on after an interrupt or a kill.
 
 MEASURED.csv begins with a line of names: time (the pseudo-time of the load steps), a quantity, or
 keys of the scene, as a table of sweep has them; then the quantity that was measured; then, if it is
@@ -46,4 +47,7 @@ def describe(command: argparse.ArgumentParser) -> None:
     command.add_argument("--of", metavar="QUANTITY", help="which one, where the table has several")
     command.add_argument(
         "--out", metavar="DIR", type=Path, help="folder (results/ and the scene's name, _fit)"
+    )
+    command.add_argument(
+        "--resume", action="store_true", help="go on with the fit that is in the folder"
     )

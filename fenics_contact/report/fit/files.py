@@ -12,9 +12,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.results.fit_record import FitRecord
+from fenics_contact.results.fit_record import CURVE, RECORD, FitRecord
 
-RECORD, CURVE, PAGE = "fit.json", "fit.csv", "fit.html"
 _UNCERTAINTY = "_error"
 
 

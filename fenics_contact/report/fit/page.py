@@ -8,13 +8,13 @@ from pathlib import Path
 from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.report.drawing.units import in_units, with_unit
-from fenics_contact.report.fit.files import PAGE, read_fit
+from fenics_contact.report.fit.files import read_fit
 from fenics_contact.report.fit.pictures import draw_fit
 from fenics_contact.report.fit.tables import correlation_rows, measured_as, parameter_rows
 from fenics_contact.report.gallery import require
 from fenics_contact.report.page.page import style_sheet
 from fenics_contact.report.page.templates import render, table
-from fenics_contact.results.fit_record import FitRecord
+from fenics_contact.results.fit_record import PAGE, FitRecord
 from fenics_contact.scene.quantity_names import in_words
 
 

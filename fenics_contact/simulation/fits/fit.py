@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from fenics_contact.results.fit_record import FitRecord, FittedParameter
 from fenics_contact.simulation.description import units_of
 from fenics_contact.simulation.fits.curves import Answer, curve_of
 from fenics_contact.simulation.fits.intervals import CONFIDENCE, Intervals
+from fenics_contact.simulation.fits.journal import FitJournal
 from fenics_contact.simulation.fits.measured import Measured, read_measured
 from fenics_contact.simulation.fits.parameters import Given, Parameter, parameters_of
 from fenics_contact.simulation.fits.words import notes_of, verdict_of
@@ -56,7 +58,11 @@ class Fit:
 
 
 def fit(
-    study: Study, measured: Measured | Path | str, parameters: Given, of: str | None = None
+    study: Study,
+    measured: Measured | Path | str,
+    parameters: Given,
+    of: str | None = None,
+    journal: FitJournal | None = None,
 ) -> Fit:
     """Find the values of keys of a scene for which its run meets a measured curve; collective.
 
@@ -67,6 +73,8 @@ def fit(
             that is known.
         parameters: Keys, with (low, high) or None; or words ``KEY`` and ``KEY=LOW:HIGH``.
         of: Which quantity, where the file has several.
+        journal: Keeps every curve that is solved for, and knows those of an interrupted fit; on one
+            rank only.
 
     Returns:
         Values with intervals for 95 %: of the noise of the data, and of what mesh, penalty and
@@ -82,7 +90,7 @@ def fit(
         measured = read_measured(Path(measured), study.scene, of)
     chosen = parameters_of(study.scene, parameters)
     _require_enough(measured, chosen)
-    search = _Search(study, measured, chosen)
+    search = _Search(study, measured, chosen, journal)
     found = search.solve()
     return Fit(search.record(found), measured, search.best.values)
 
@@ -107,12 +115,19 @@ class _Search:
     """From the values that a scene has to those of the best curve.
 
     Attributes:
-        evaluations: How often the curve was solved for.
+        evaluations: How often the curve was asked for, of the solver or the journal.
         best: The curve of the values found, once they are.
     """
 
-    def __init__(self, study: Study, measured: Measured, parameters: list[Parameter]) -> None:
+    def __init__(
+        self,
+        study: Study,
+        measured: Measured,
+        parameters: list[Parameter],
+        journal: FitJournal | None,
+    ) -> None:
         self._study, self._measured, self._parameters = study, measured, parameters
+        self._journal = journal
         self._curve = curve_of(measured, study)
         self._scales = np.array([parameter.scale for parameter in parameters])
         self._known: dict[bytes, Answer] = {}
@@ -165,7 +180,9 @@ class _Search:
     def _evaluate(self, scaled: Array, is_judged: bool = False) -> Answer:
         values = self._values(scaled)
         self.evaluations += 1
-        found = self._curve.answer(self._study, values, is_judged)
+        solve = partial(self._curve.answer, self._study, values, is_judged)
+        known = self._journal
+        found = solve() if known is None else known.answer(values, is_judged, solve)
         said = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
         apart = np.sqrt(np.mean((found.values - self._measured.values) ** 2))
         logger.info("curve %d: %s: residual %.4g", self.evaluations, said, apart)

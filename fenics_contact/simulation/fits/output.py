@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from fenics_contact.common.atomic_files import make_folder, naming, replace_file
-from fenics_contact.results.fit_record import FitRecord
+from fenics_contact.results.fit_record import CURVE, PAGE, RECORD, FitRecord
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.writing import write_scene
 from fenics_contact.simulation.fits.fit import Fit
 from fenics_contact.simulation.fits.measured import UNCERTAINTY
 
-RECORD, CURVE, PAGE = "fit.json", "fit.csv", "fit.html"
 #: Columns behind what was measured.
 RUN, RESIDUAL = "run", "residual"
 

@@ -58,7 +58,7 @@ def points_of(file: SceneFile, overrides: Sequence[str], grid: Grid) -> list[Poi
     Raises:
         InputError: The scene cannot have any of the values; as a run of the first would say.
     """
-    points, contents, first = [], _Contents(), None
+    points, contents, first = [], Contents(), None
     for number, settings in enumerate(grid.settings()):
         try:
             data = file.data(overrides, settings)
@@ -67,9 +67,9 @@ def points_of(file: SceneFile, overrides: Sequence[str], grid: Grid) -> list[Poi
             )
         except InputError as error:
             first = first or error
-            points.append(Point(number, _digest(settings), None, str(error)))
+            points.append(Point(number, digest_of(settings), None, str(error)))
             continue
-        points.append(Point(number, _digest([data, contents.of(scene)]), scene))
+        points.append(Point(number, digest_of([data, contents.of(scene)]), scene))
     if first is not None and all(point.scene is None for point in points):
         raise first
     return points
@@ -117,7 +117,7 @@ def _frictional(point: Point) -> int:
     return sum(contact.is_rough for contact in point.scene.contact)
 
 
-class _Contents:
+class Contents:
     """Digests of mesh files, each read once."""
 
     def __init__(self) -> None:
@@ -137,5 +137,6 @@ class _Contents:
         return self._found[file]
 
 
-def _digest(value: Any) -> str:
+def digest_of(value: Any) -> str:
+    """A digest of what JSON can hold, the same for the same content."""
     return hashlib.sha256(json.dumps(value, sort_keys=True, default=str).encode()).hexdigest()

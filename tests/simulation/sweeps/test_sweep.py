@@ -15,6 +15,7 @@ import pytest
 from fenics_contact import InputError, load_scene, main, run
 from fenics_contact.common.errors import MachineError, StoppedError
 from fenics_contact.scene.reading import SceneFile
+from fenics_contact.simulation.output import journal_file
 from fenics_contact.simulation.output.folder_lock import FolderLock
 from fenics_contact.simulation.sweeps import journal, leader
 from fenics_contact.simulation.sweeps.journal import Done
@@ -126,7 +127,7 @@ def test_of_two_sweeps_that_begin_at_once_one_has_the_folder(scene, tmp_path, mo
         other.take()
 
     with monkeypatch.context() as meanwhile:
-        meanwhile.setattr(journal, "make_folder", make_folder)
+        meanwhile.setattr(journal_file, "make_folder", make_folder)
         with pytest.raises(InputError, match="run or sweep is being solved there"):
             swept(scene, [f"{MU}=0.2"], out)
     assert not list(out.iterdir())
@@ -378,8 +379,8 @@ def changed_mesh(scene, out, monkeypatch):
 
 
 def other_version(scene, out, monkeypatch):
-    found = journal._made_by() | {"dolfinx": "0.1"}
-    monkeypatch.setattr(journal, "_made_by", lambda: found)
+    found = journal_file._made_by() | {"dolfinx": "0.1"}
+    monkeypatch.setattr(journal_file, "_made_by", lambda: found)
 
 
 def no_journal(scene, out, monkeypatch):
@@ -387,8 +388,9 @@ def no_journal(scene, out, monkeypatch):
 
 
 def damaged(scene, out, monkeypatch):
-    record = journal._record(json.dumps(journal._made_by()).encode()) + journal._record(b"x")
-    (out / journal.NAME).write_bytes(record)
+    path = out / journal.NAME
+    records = [json.dumps(journal_file._made_by()).encode(), b"x"]
+    path.write_bytes(b"".join(map(journal_file.JournalFile(path, "sweep").record, records)))
 
 
 @pytest.mark.parametrize(
