@@ -28,6 +28,9 @@ _DEGREES = {2: {1: 3, 2: 4}, 3: {1: 2, 2: 4}}
 _PARALLEL = 0.25
 # The facet's own nodes count so much more than its neighbours': the polynomial is to pass them.
 _OWN = 1e3
+# Power of the distance, in the facet's radii, with which other nodes count less: what the surface
+# is beyond the polynomial's degree grows with the distance, and is not to turn what is near.
+_FADING = 4
 # Rings of neighbours, at the most, until there are enough nodes: at ends of the surface two.
 _RINGS = 3
 # Distances over the facet's radius that are round-off of coordinates.
@@ -139,7 +142,8 @@ class SmoothSurface:
             d for d in range(1, wanted + 1) if len(_exponents(dimension - 1, d)) <= len(nodes)
         )
         local = self._local(np.full(len(nodes), number), self._places[nodes])
-        weights = np.where(np.arange(len(nodes)) < len(own), _OWN, 1.0)
+        distances = np.maximum(np.linalg.norm(local[:, :-1], axis=1), 1.0)
+        weights = np.where(np.arange(len(nodes)) < len(own), _OWN, distances**-_FADING)
         powers = _powers(local[:, :-1], degree)
         found, *_ = np.linalg.lstsq(weights[:, None] * powers, weights * local[:, -1], rcond=None)
         return np.asarray(found)

@@ -69,6 +69,35 @@ def cap(order, cells):
     return FacetMesh("triangle", order, 1, places, corners, places[:, :3].reshape(-1, 3))
 
 
+def tube(around):
+    """Uneven triangles of order 2 on a cylinder of radius 1, three rows of them."""
+    reference, size = reference_nodes("triangle", 2), 2 * np.pi / around
+    rows, columns = np.mgrid[: 3 + 1, : around + 1]
+    uneven = 0.25 * np.sin(2.7 * rows + 1.9 * (columns % around) ** 2)
+    angles, heights = columns + 0.5 * (rows % 2) + uneven, rows + uneven * (rows % 3 > 0)
+    grid = size * np.stack([angles, heights], axis=-1)
+    places = []
+    for j, i in np.ndindex(3, around):
+        a, b, c, d = grid[j, i], grid[j, i + 1], grid[j + 1, i], grid[j + 1, i + 1]
+        for x, y, z in ((a, b, c), (d, c, b)) if j % 2 == 0 else ((a, b, d), (d, c, a)):
+            angle, height = (x + reference @ np.stack([y - x, z - x])).T
+            places.append(np.stack([np.cos(angle), np.sin(angle), height], axis=1))
+    corners = np.arange(6 * around * 3).reshape(-1, 3)
+    normals = np.array(places)[:, :3].reshape(-1, 3) * [1, 1, 0]
+    return FacetMesh("triangle", 2, 1, np.array(places), corners, normals)
+
+
+@pytest.mark.parametrize(("around", "share"), [(32, 0.2), (64, 0.05)])
+def test_what_quadratic_triangles_miss_of_a_cylinder(around, share):
+    """Neighbours reach far around it, where no polynomial follows: they are to count for less."""
+    mesh = tube(around)
+    facets = np.arange(len(mesh.nodes))
+    reference = np.full((len(facets), 2), 1 / 3)
+    true = 1 - np.linalg.norm(mesh.positions(facets, reference)[:, :2], axis=1)
+    found = SmoothSurface(mesh).offsets(facets, reference)
+    assert np.linalg.norm(found - true) < share * np.linalg.norm(true)
+
+
 @pytest.mark.parametrize(
     ("surface", "order", "least"), [(arc, 1, 3.5), (arc, 2, 4.5), (cap, 1, 2.5)]
 )
