@@ -13,7 +13,7 @@ from fenics_contact.cli.cycle_plan import cycle_plan
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.accuracy_messages import level_rows
-from fenics_contact.results.check_messages import compares
+from fenics_contact.results.check_messages import compares, title
 from fenics_contact.results.load_history import newton_steps
 from fenics_contact.results.quantities import QUANTITIES, idle_quantities, measured_by_parameter
 from fenics_contact.results.records.contacts import ContactRecord
@@ -229,14 +229,14 @@ def _print_checks(console: Terminal, checks: Mapping[str, Check]) -> None:
     failed = [name for name, check in checks.items() if not check.passed]
     for name, check in checks.items():
         parts = check.parts if name in failed else ()
-        rows = [(name.replace("_", " "), check), *((f"  of {part.part}", part) for part in parts)]
+        rows = [(title(name), check), *((f"  of {part.part}", part) for part in parts)]
         for words, shown in rows:
             verdict = "ok" if shown.passed else "[bold red]FAILED[/bold red]"
             numbers = f"{shown.value:.2e}", f"{shown.limit:.2e}"
             table.add_row(escape(one_line(words)), *numbers, verdict)
     console.print(table)
     for name in failed:
-        words = f"{name.replace('_', ' ')}: {compares(name)}"
+        words = f"{title(name)}: {compares(name)}"
         console.print(words, markup=False, highlight=False, soft_wrap=True)
 
 

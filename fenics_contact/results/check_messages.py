@@ -16,11 +16,13 @@ class CheckWords:
         compares: What is compared, and over what its value is taken; a sentence.
         failure: What is wrong when it fails, with ``{share}`` for its value.
         kinds: The same for checks of several comparisons, by ``Check.kind``.
+        title: What people read in place of its key, where that says more than what is compared.
     """
 
     compares: str
     failure: str = ""
     kinds: Mapping[str, str] = field(default_factory=dict)
+    title: str = ""
 
 
 WORDS: Mapping[str, CheckWords] = {
@@ -150,6 +152,8 @@ WORDS: Mapping[str, CheckWords] = {
             "overlap": "the body passes into an obstacle that it slides along, by {share} of the "
             "radius or thickness; linear theory measures the gap where points first were",
         },
+        # It passes far outside the range of linear theory, of which the verdict tells.
+        title="inside out or overlapping",
     ),
     "free_modes": CheckWords(
         "Forces of contacts and kinetic energy of a motion in free modes against those in half as "
@@ -175,6 +179,18 @@ WORDS: Mapping[str, CheckWords] = {
 }
 
 
+def title(name: str) -> str:
+    """What a check is called where people read; its key in words, if nothing else is said.
+
+    Args:
+        name: Its key in ``result.json``.
+
+    >>> title("friction_cone"), title("linear_range")
+    ('friction cone', 'inside out or overlapping')
+    """
+    return (name in WORDS and WORDS[name].title) or name.replace("_", " ")
+
+
 def compares(name: str) -> str:
     """What a check compares; empty for one that is not known, as of another version's file."""
     return WORDS[name].compares if name in WORDS else ""
@@ -189,7 +205,7 @@ def failure(name: str, check: Check) -> str:
         said = "its value is not a number"
     if check.unmade:
         said = f"it could not be made: {check.unmade}"
-    return f"{name.replace('_', ' ')}: {said}{_where(check)}"
+    return f"{title(name)}: {said}{_where(check)}"
 
 
 def _share(value: float) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from markupsafe import Markup
 
 from fenics_contact.report.page.templates import bar, table, verdict
-from fenics_contact.results.check_messages import WORDS, compares, failure
+from fenics_contact.results.check_messages import WORDS, compares, failure, title
 from fenics_contact.results.quantities import (
     MEASURED_BY_PRELOADS,
     QuantityValue,
@@ -46,7 +46,7 @@ def checks_table(result: Outcome) -> Markup:
     ]
     for name, check in result.checks.items():
         numbers = [_short(check.value), _short(check.limit)]
-        rows.append([words(name), verdict(check.passed), *numbers, _use(check), compares(name)])
+        rows.append([title(name), verdict(check.passed), *numbers, _use(check), compares(name)])
     return table(rows, "Checks of the physics")
 
 
@@ -71,7 +71,7 @@ def failures(result: Outcome) -> list[str]:
 def _failure(name: str, check: CheckRecord) -> str:
     found = check_of(check)
     if name not in WORDS or (WORDS[name].kinds and found.kind not in WORDS[name].kinds):
-        return f"{words(name)}: {written(found.value)} exceeds the limit, {written(found.limit)}"
+        return f"{title(name)}: {written(found.value)} exceeds the limit, {written(found.limit)}"
     return f"{failure(name, found)} (limit: {written(found.limit)})"
 
 

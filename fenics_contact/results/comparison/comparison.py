@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.results.check_messages import title
 from fenics_contact.results.comparison.differences import Difference, Estimate, difference
 from fenics_contact.results.comparison.runs import ComparedRun, units_of
 from fenics_contact.results.comparison.scenes import is_made_in_python, scene_rows
@@ -130,7 +131,7 @@ class Comparison:
                 for check in found
             ]
             if self.every or any(check is not None and not check.passed for check in found):
-                rows.append([name.replace("_", " "), *words])
+                rows.append([title(name), *words])
         return rows
 
     def groups(self) -> list[Group]:

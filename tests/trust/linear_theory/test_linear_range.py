@@ -1,6 +1,8 @@
 """Strains, rotations and indentations beyond linear theory are said; what is inside out fails."""
 
 import dataclasses
+from contextlib import redirect_stdout
+from io import StringIO
 
 import numpy as np
 import pytest
@@ -21,6 +23,9 @@ from fenics_contact import (
     Support,
     load_scene,
 )
+from fenics_contact.cli.summary import print_result
+from fenics_contact.report.page.tables import checks_table
+from fenics_contact.results.check_messages import failure
 from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 from fenics_contact.trust.linear_theory.zones import TURNED, Zone, exceeded
@@ -60,6 +65,22 @@ def test_a_block_pressed_together(cells):
         assert found == pytest.approx(pressed, rel=1e-9)
     assert "strains of 150 % in 'body'" in result.verdict
     assert "100 % of the volume is turned inside out" in result.verdict
+
+
+def test_no_table_says_that_linear_theory_holds_where_the_verdict_says_that_it_does_not(tmp_path):
+    """The check that passes looks for what is impossible, and is called so where people read."""
+    result = block(0.15, (4, 4)).solve()
+    assert BEYOND in result.verdict and result.checks["linear_range"].passed
+    if COMM.rank == 0:
+        printed = StringIO()
+        with redirect_stdout(printed):
+            print_result(result, tmp_path)
+        for table in (printed.getvalue().replace(result.verdict, ""), checks_table(result)):
+            rows = [line for line in str(table).splitlines() if "inside out or overlapping" in line]
+            assert len(rows) == 1
+            assert "linear range" not in table
+    said = failure("linear_range", dataclasses.replace(result.checks["linear_range"], value=0.5))
+    assert said.startswith("inside out or overlapping: 50 % of the volume is turned inside out")
 
 
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral", "tetrahedron", "hexahedron"])
