@@ -29,6 +29,7 @@ from fenics_contact.report.page.templates import bar, html, table
 from fenics_contact.report.report import write_report
 from fenics_contact.report.view.view_3d import make_view
 from fenics_contact.report.view.view_page import view_html
+from fenics_contact.results.check_messages import title
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.quantities import idle_quantities
 from fenics_contact.results.result_file import read_result
@@ -109,7 +110,8 @@ def test_the_page_holds_everything_in_order(run):
     result = read_result(folder)
     shown = result.quantities.keys() - idle_quantities(result.contacts)
     assert len(shown) > 6
-    for name in (*result.checks, *shown, *result.versions):
+    assert all(title(name) in text for name in result.checks)
+    for name in (*shown, *result.versions):
         assert name.replace("_", " ") in text, name
     assert html((folder / "scene.toml").read_text()) in text
     assert "@article{CamposOdenKikuchi1982" in text
