@@ -23,7 +23,6 @@ from fenics_contact import (
 )
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.trust.checks.run_checks import run_checks
-from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -153,22 +152,3 @@ def test_what_is_loose_in_the_iterative_solver_ends_in_words():
     result = run(scene, COMM, box_body((4, 4, 4), (1, 1, 1)))
     assert result.exit_code == 3
     assert "singular" in result.verdict
-
-
-def test_straight_shape_functions_on_curved_cells():
-    """They cannot turn rigidly; that is no lack of equilibrium, but leaving out a force is."""
-    obstacle = Obstacle("parabola", 2, position=(0.45, 1.1), normal=(0, -1), indentation=0.05)
-    contact = Contact("lower.y1", obstacle=obstacle, friction_coefficient=0.3)
-    support = (Support("lower.y0", {"x": 0, "y": 0}),)
-    body = boxes((Box("lower", (0, 0), (1, 1), (8, 6)),), order=2)
-    x = body.mesh.geometry.x
-    x[:, 1] += 0.4 * x[:, 0] * (1 - x[:, 0]) * x[:, 1]
-    x[:, 0] += 0.1 * np.sin(np.pi * x[:, 0]) * x[:, 1] ** 2
-    prepared = Run(in_plane(contact, support=support), COMM, body)
-    result = prepared.solve()
-    assert result.passed, (result.verdict, result.checks)
-    solution = prepared.solution
-    less = [0.99 * force for force in solution.friction_force]
-    forces = BulkForces(prepared.problem, dataclasses.replace(solution, friction_force=less))
-    checks = run_checks(forces)
-    assert not checks["equilibrium"].passed
