@@ -64,7 +64,8 @@ WORDS: Mapping[str, CheckWords] = {
     ),
     "unseen_contact": CheckWords(
         "How deep what stands opposite sinks into the surface between two contact points; over "
-        "itself and what the peak pressure closes from one point to the next.",
+        "itself and what the peak pressure closes from one point to the next or, where that is "
+        "too much, what the whole body gives way under the contact's force.",
         "what stands opposite sinks in between the points of the surface, by {share} of what "
         "closes there; the mesh is too coarse to see it",
     ),

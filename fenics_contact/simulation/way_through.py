@@ -34,6 +34,7 @@ from fenics_contact.solve.solver_choice import Condense, SolverChoice
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget, unknown_budget
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.solving_again import restore
+from fenics_contact.trust.resolution.unseen_depth import judged_by_depth
 from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
 
 logger = logging.getLogger(__name__)
@@ -225,6 +226,11 @@ class WayThrough:
     def _judge(self, load_steps: LoadSteps) -> None:
         """What is to be known of the answer beside it; collective."""
         end, comm, steps = self._end, load_steps.problem.comm, self._history.steps
+        if self._cycles is None:
+            with self._timings.phase("output"):
+                missing = "How far what sinks in between points governs the answer was not found"
+                depth = partial(judged_by_depth, load_steps, end.checks)
+                end.checks = attempt(comm, missing, depth, end.checks, end.notes)
         look = partial(look_around, load_steps)
         with self._timings.phase("output"):
             missing = "It was not found whether the answer is the only one"

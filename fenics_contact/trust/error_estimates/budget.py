@@ -179,7 +179,7 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     rows = {key: row_of(key, found) for key in answer} | _given(problem)
     rows, why = unbounded.strip(rows, answer)
     notes += dict.fromkeys(why.values())
-    coarse = coarse_contacts(problem, last.solution)
+    coarse = coarse_contacts(load_steps)
     rows |= {key: rows[key] | {"mesh": None, "total": None} for key in without_bars(rows, coarse)}
     notes += notes_on(coarse)
     if len(steps) > 1:  # what is measured is that of the last forces alone

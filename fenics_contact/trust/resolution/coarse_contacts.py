@@ -9,10 +9,11 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.contact.state import STICK
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.resolution.points_across import ThinContact, thin_contact
 from fenics_contact.trust.resolution.unseen import LARGEST_UNSEEN, unseen
+from fenics_contact.trust.resolution.unseen_depth import governed_by_depth
 
 # Of a contact that is not resolved: what depends on how large it is, and how pressed where.
 _OF_ITS_SIZE = (
@@ -31,7 +32,9 @@ class CoarseContact:
         number: Of the contact, in scene order.
         label: Its name.
         thin: Where too few points lie across what touches, if there.
-        is_unseen: Whether some of what touches is not seen at all.
+        is_unseen: Whether some of what touches is not seen.
+        governs: Whether that governs the answer.
+        sticks: Whether friction holds some of what touches: what slips goes by its size.
         finer: Rows of x, y, z and the size that cells there are to have, of this rank (length).
     """
 
@@ -39,17 +42,20 @@ class CoarseContact:
     label: str
     thin: ThinContact | None
     is_unseen: bool
+    governs: bool
+    sticks: bool
     finer: Array
 
 
-def coarse_contacts(problem: Problem, solution: Solution) -> list[CoarseContact]:
+def coarse_contacts(load_steps: LoadSteps) -> list[CoarseContact]:
     """Of an answer, the same on every rank but for ``finer``; collective.
 
     Args:
-        problem: The model, with its obstacles where they stand in the answer.
-        solution: The answer.
+        load_steps: At their end; all is there again afterwards.
     """
-    found = []
+    assert load_steps.last is not None
+    problem, solution = load_steps.problem, load_steps.last.solution
+    found, governed = [], governed_by_depth(load_steps)
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
         if not contact.is_one_sided:
             continue
@@ -62,7 +68,11 @@ def coarse_contacts(problem: Problem, solution: Solution) -> list[CoarseContact]
         if thin is not None:
             finer = np.concatenate([finer, thin.finer])
         if is_unseen or thin is not None:
-            found.append(CoarseContact(number, contact.label, thin, is_unseen, finer))
+            governs = is_unseen and not governed[number].passed
+            sticking = int((state.status == STICK).sum()) if contact.friction.rubs else 0
+            sticks = total(problem.comm, sticking) > 0
+            which = number, contact.label
+            found.append(CoarseContact(*which, thin, is_unseen, governs, sticks, finer))
     return found
 
 
@@ -70,10 +80,16 @@ def notes_on(coarse: Sequence[CoarseContact]) -> list[str]:
     """Sentences on error bars that there are not."""
     notes = []
     for one in coarse:
-        if one.is_unseen:
+        if one.governs:
             notes.append(
                 f"There are no error bars: on this mesh some of what touches at '{one.label}' is "
                 "not seen."
+            )
+        elif one.is_unseen:
+            notes.append(
+                f"Pressures, areas and slips at '{one.label}' have no error bars: what stands "
+                "opposite sinks in between the points of the surface. It does not govern forces "
+                "and displacements, whose bars hold what it makes of them."
             )
         else:
             notes.append(
@@ -90,13 +106,12 @@ def without_bars(keys: Iterable[Hashable], coarse: Sequence[CoarseContact]) -> l
         keys: As of ``Measured``.
         coarse: What the mesh is too coarse for.
     """
-    if any(one.is_unseen for one in coarse):
+    if any(one.governs for one in coarse):
         return list(keys)
-    numbers = {one.number for one in coarse}
-    return [key for key in keys if _is_of_size(key, numbers)]
+    without: set[Hashable] = {(one.number, name) for one in coarse for name in _unknown_of(one)}
+    without |= {name for one in coarse for name in _unknown_of(one)}
+    return [key for key in keys if key in without]
 
 
-def _is_of_size(key: Hashable, numbers: set[int]) -> bool:
-    if isinstance(key, tuple):
-        return key[0] in numbers and key[1] in _OF_ITS_SIZE
-    return bool(numbers) and key in _OF_ITS_SIZE
+def _unknown_of(one: CoarseContact) -> tuple[str, ...]:
+    return (*_OF_ITS_SIZE, "friction_work") if one.sticks else _OF_ITS_SIZE

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
@@ -37,11 +37,15 @@ class Unseen:
         shares: Depth between points, over itself and what pressure closes, (places,): 0 … 1.
         places: (places, 3) (length).
         spacing: From one contact point to the next, (places,) (length).
+        depth: Between points, less that at these, (places,) (length).
+        nodes: Of the facet of each place, by the numbers of the surface, (places, nodes).
     """
 
     shares: Array
     places: Array
     spacing: Array
+    depth: Array
+    nodes: AnyIntegers
 
 
 def unseen(contact: ContactSurface, state: ContactState, displacement: Array) -> Unseen:
@@ -55,13 +59,14 @@ def unseen(contact: ContactSurface, state: ContactState, displacement: Array) ->
     trace, kinematics = contact.trace, contact.kinematics
     between = kinematics.between_points(displacement)
     at_nodes = np.maximum(-state.gap[: len(contact.nodes)], 0.0)
-    sunk = trace.at_all_nodes(at_nodes)[kinematics.facets.nodes[between.facets]]
+    nodes = kinematics.facets.nodes[between.facets]
+    sunk = trace.at_all_nodes(at_nodes)[nodes]
     at_points = sunk.max(axis=1, initial=0.0)
     depth = np.maximum(between.depth - at_points - _ROUND_OFF * between.spacing, 0.0)
     peak = largest(trace.spaces.comm, state.contact_pressure)
     closes = peak * between.spacing / contact.moduli.plane_strain + at_points
     shares = np.divide(depth, depth + closes, out=np.zeros_like(depth), where=depth > 0)
-    return Unseen(shares, between.places, between.spacing)
+    return Unseen(shares, between.places, between.spacing, depth, nodes)
 
 
 def unseen_contact(forces: NeededForces) -> Check | None:

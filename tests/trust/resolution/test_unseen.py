@@ -1,12 +1,16 @@
 """What meets a surface between its points is seen, refused, or told to be missed."""
 
+import dataclasses
+
 import numpy as np
 import pytest
+from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import (
     Accuracy,
     Contact,
+    Discretisation,
     InputError,
     Material,
     MeshSource,
@@ -18,10 +22,11 @@ from fenics_contact import (
 )
 from fenics_contact.contact.kinematics.between_points import TooCoarseError
 from fenics_contact.scene.values import Profile
+from fenics_contact.trust.resolution import unseen_depth
 from fenics_contact.trust.resolution.hidden_obstacles import hidden_obstacles
 from fenics_contact.trust.resolution.unseen import LARGEST_UNSEEN
 from fenics_contact.verification.boxes import Box, boxes
-from tests.scenes import box_body
+from tests.scenes import box_body, with_solver
 from tests.trust.resolution.blocks import GEOMETRY, pressed
 
 COMM = MPI.COMM_WORLD
@@ -121,6 +126,78 @@ def test_a_body_whose_ridge_stands_between_nodes_of_the_other(slave, is_seen):
 def test_planes_over_whole_faces_have_nothing_to_compare():
     plane = Obstacle("plane", position=(0, 1), normal=(0, -1), indentation=0.01)
     assert "unseen_contact" not in run(pressed(plane), COMM, square()).checks
+
+
+def strip(cells, **solver):
+    """Clamped at both ends, pressed down in the middle of a cell by a cylinder."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("x0", {"x": 0, "y": 0}), Support("x1", {"x": 0, "y": 0})),
+        contact=(
+            Contact(
+                "y1",
+                obstacle=Obstacle("cylinder", radius=0.2, position=(0.5, 0.025), indentation=0.005),
+            ),
+        ),
+    )
+    return run(
+        with_solver(scene, **solver), COMM, box_body(cells, (1, 0.025), CellType.quadrilateral)
+    )
+
+
+@pytest.mark.errors
+def test_a_strip_that_bends_is_told_by_how_far_it_gives_way():
+    """Its force on cells a ninth as long. The roller sinks in by more than what closes near by."""
+    right = strip((279, 3), errors="none").quantities["normal_force"]
+    found = strip((31, 1), errors="auto")
+    assert found.exit_code == 0
+    assert found.checks["unseen_contact"].value < LARGEST_UNSEEN
+    total = found.errors["normal_force"]["total"]
+    assert abs(found.quantities["normal_force"] - right) < total < 0.5 * right
+    assert found.errors["max_contact_pressure"]["total"] is None
+
+
+@pytest.mark.parametrize("raised", [0.0, 0.5])
+def test_what_other_loads_move_does_not_count(raised):
+    """Both nodes beside it touch; pushed in by the sag of the circle, it presses much harder."""
+    place = (BETWEEN, 1 + raised)
+    parabola = Obstacle("parabola", radius=0.5, position=place, indentation=0.003)
+    scene = pressed(parabola)
+    lifted = (Support("y0", {"x": 0, "y": raised}),)
+    found = run(dataclasses.replace(scene, support=lifted), COMM, square())
+    assert found.quantities["normal_force"] > 0
+    assert found.exit_code == 4 and not found.checks["unseen_contact"].passed
+
+
+@pytest.mark.errors
+def test_bars_hold_what_edges_between_points_do(monkeypatch):
+    """A punch 4.4 spacings of points wide, against the force on cells of a quarter of the size."""
+
+    def punched(count, errors):
+        punch = Obstacle("flat punch", radius=0.11, position=(0.525, 1), indentation=0.01)
+        scene = dataclasses.replace(pressed(punch), discretisation=Discretisation(2))
+        return run(with_solver(scene, errors=errors), COMM, box_body((count, count), (1, 1)))
+
+    right = punched(40, "none").quantities["normal_force"]
+    found = punched(10, "auto")
+    off = abs(found.quantities["normal_force"] - right)
+    assert found.exit_code == 0 and off < found.errors["normal_force"]["total"]
+    monkeypatch.setattr(unseen_depth, "_COUNTS", 1.0)
+    assert punched(10, "auto").errors["normal_force"]["total"] < 0.5 * off
+
+
+@pytest.mark.errors
+def test_work_of_friction_goes_by_the_size_of_a_contact():
+    """On cells of a quarter of the size some of what touches slips; here the only point sticks."""
+    parabola = Obstacle("parabola", radius=2, position=(0.5, 1), indentation=0.0006)
+    scene = pressed(parabola)
+    rubbed = dataclasses.replace(scene.contact[0], friction_coefficient=0.05)
+    scene = dataclasses.replace(scene, contact=(rubbed,))
+    found = run(with_solver(scene, errors="auto"), COMM, square())
+    fine = run(with_solver(scene, errors="none"), COMM, box_body((40, 40), (1, 1)))
+    assert fine.quantities["friction_work"] > 10 * found.quantities["friction_work"]
+    assert found.exit_code == 0 and found.errors["friction_work"]["total"] is None
 
 
 @pytest.mark.errors

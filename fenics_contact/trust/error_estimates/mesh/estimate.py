@@ -6,7 +6,8 @@ quantity. The edges of contact and stick lie somewhere inside elements: as the l
 change of something else, moves them through these, quantities scatter about smooth functions of
 it. A peak of the contact pressure lies between what the penalty makes of gaps and what the bulk
 needs. Facets miss curved surfaces, which changes gaps (``geometry_errors``). And how large a
-contact is that touches in single points, no mesh as coarse tells (``single_points``).
+contact is that touches in single points, no mesh as coarse tells (``single_points``), nor what a
+surface does where an obstacle sinks in between its points (``unseen_depth``).
 
 What the last of these tells of an edge's or a peak's place is added to the others as an independent
 error is, by the sum of squares: the one has no reason to come with the other. All else goes in full
@@ -52,6 +53,7 @@ from fenics_contact.trust.error_estimates.solving_again import (
     Quantities,
     differences,
 )
+from fenics_contact.trust.resolution.unseen_depth import unseen_depth_errors
 
 # Weighed with all cases of ``fenics-contact verify --errors``, those that test included, and 60
 # scenes at random; tested on scenes drawn afterwards.
@@ -117,7 +119,10 @@ def mesh_errors(
     curved = geometry_errors(load_steps, measure)
     torn = torn_errors(load_steps, measure)
     points = single_point_errors(load_steps, measure)
-    if changes is None or scatter is None or curved is None or torn is None or points is None:
+    sunk = unseen_depth_errors(load_steps, measure)
+    if changes is None or scatter is None or curved is None or torn is None:
+        return None, local
+    if points is None or sunk is None:
         return None, local
     whole, at_random = changes
     for name, error in local.at_points().items():
@@ -129,12 +134,14 @@ def mesh_errors(
     pinned, unseen = _beside_pinned(problem, solution), unseen_zones(problem, solution)
     of_cycles = OfCycles(cycles_of(problem.scene), [time for time, _ in recorded])
     scatter = of_cycles.of_ends(scatter)
-    curved, torn, points = (of_cycles.of_steps(found) for found in (curved, torn, points))
+    of_gaps = curved, torn, points, sunk
+    curved, torn, points, sunk = (of_cycles.of_steps(found) for found in of_gaps)
     losses = [key for key in whole if isinstance(key, LossOfCycle)]
     unseen = of_cycles.of_swings(unseen, losses)
     doubt = _doubt(problem, solution)
     found, hidden = {}, []
-    for key in whole.keys() & scatter.keys() & curved.keys() & torn.keys() & points.keys():
+    known = whole.keys() & scatter.keys() & curved.keys() & torn.keys()
+    for key in known & points.keys() & sunk.keys():
         at_contact = at_contacts.get(key, 0.0)
         if at_contact is None:
             continue
@@ -145,8 +152,9 @@ def mesh_errors(
         of_cells = held.all_steps * _LOCAL[problem.spaces.degree] * change
         of_mesh = float(np.hypot(of_cells + _SCATTER * scatter[key], at_contact))
         leading = of_mesh + _CURVED * curved[key]
-        in_full = torn[key] + points[key] + pinned.get(key, 0.0) + unseen.get(key, 0.0)
-        found[key] = doubt * leading + in_full
+        in_full = torn[key] + points[key] + sunk[key]
+        of_nodes = pinned.get(key, 0.0) + unseen.get(key, 0.0)
+        found[key] = doubt * leading + in_full + of_nodes
     if hidden and notes is not None:
         notes.append(TOO_STIFF)
     return found, local
