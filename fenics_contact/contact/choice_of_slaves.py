@@ -14,10 +14,12 @@ import numpy as np
 
 from fenics_contact.body.description import CandidateContact
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root, total
 from fenics_contact.contact.mortar.pairing import gathered
-from fenics_contact.contact.mortar.ray_projection import hits
+from fenics_contact.contact.mortar.ray_projection import face, hits
+from fenics_contact.contact.rings_of_masters import Meetings, has_ring, without_rings
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.mesh.tagged_mesh import Group
 
@@ -26,6 +28,8 @@ _UNCOVERED = 1e-6
 # Of two surfaces that are both covered, or both not, one that is finer by this is no slave.
 _MUCH_FINER = 0.5
 _MORE_COVERED = 0.05
+# Why a surface is the slave that would not be otherwise.
+_NO_RING = "so masters do not follow each other in a ring"
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +54,7 @@ class NamedSurfaces:
         on: What its ``on`` names.
         against: The surface opposite, None where there is none.
         wanted: The slave that the scene asks for: ``auto``, ``on`` or ``against``.
+        spaces: Those of the body.
 
     Args:
         contact: Its groups.
@@ -70,7 +75,7 @@ class NamedSurfaces:
         flat_sides: list[tuple[int, float]],
         walls: list[tuple[int, float]],
     ) -> None:
-        self._spaces, self._key = spaces, key
+        self.spaces, self._key = spaces, key
         self._flat_sides, self._walls = flat_sides, walls
         self.wanted = contact.slave
         self.on = self._surface("on", contact.on)
@@ -79,12 +84,12 @@ class NamedSurfaces:
             self.against = self._surface("against", contact.against)
 
     def _surface(self, side: str, name: str) -> Surface:
-        group = self._spaces.body.boundary(name, f"{self._key}.{side}")
-        if total(self._spaces.comm, len(self._spaces.facets(group))) == 0:
+        group = self.spaces.body.boundary(name, f"{self._key}.{side}")
+        if total(self.spaces.comm, len(self.spaces.facets(group))) == 0:
             raise InputError(
                 f"{self._key}.{side} = '{name}': no facet of it is on the boundary of the body"
             )
-        return Surface(name, group, Trace(self._spaces, group, self._flat_sides, self._walls))
+        return Surface(name, group, Trace(self.spaces, group, self._flat_sides, self._walls))
 
     def compare(self) -> tuple[bool, str]:
         """Whether ``on`` is the better slave, by what covers what and by sizes of facets, and why.
@@ -105,7 +110,7 @@ class NamedSurfaces:
                 sizes.append(float(areas.mean()) ** (1 / (one.dimension - 1)))
             return shares, sizes
 
-        shares, sizes = on_root(self._spaces.comm, find)
+        shares, sizes = on_root(self.spaces.comm, find)
         covered = [share > 1 - _UNCOVERED for share in shares]
         if covered[0] != covered[1]:
             return covered[0], "the other covers it"
@@ -115,12 +120,59 @@ class NamedSurfaces:
             return False, "it is not the much finer one"
         return True, "it comes first"
 
+    def nodes(self, are_faced: bool) -> tuple[Array, Array]:
+        """1 at this rank's own nodes of ``on`` and ``against`` that a slave, or a master, has.
+
+        Collective.
+
+        Args:
+            are_faced: Whether only those count that face the other surface.
+
+        Returns:
+            Each (2, nodes); of a contact with an obstacle no master has any, and no ``against``.
+        """
+        slaves, masters = np.zeros((2, 2, self.spaces.owned_nodes))
+        if self.against is None:
+            slaves[0] = self._on_body(self.on, np.ones(len(self.on.trace.all_nodes)))
+            return slaves, masters
+        sides = self.on, self.against
+        faced = self._faced() if are_faced else None
+        for place, side in enumerate(sides):
+            numbers = side.trace.surface.numbers
+            ones = np.ones(len(numbers))
+            slaves[place] = self._on_body(side, ones if faced is None else faced[place][0][numbers])
+            masters[place] = self._on_body(
+                side, ones if faced is None else faced[place][1][numbers]
+            )
+        return slaves, masters
+
+    def _on_body(self, side: Surface, values: Array) -> Array:
+        found = side.trace.surface.on_body(values)[: self.spaces.owned_nodes]
+        return np.asarray(found > 0, dtype=np.float64)
+
+    def _faced(self) -> list[tuple[Array, Array]]:
+        """The same of all nodes of each surface, by the surface's numbers; collective."""
+        assert self.against is not None
+        surfaces = gathered(self.on.trace), gathered(self.against.trace)
+
+        def find() -> list[tuple[Array, Array]]:
+            marks = [(np.zeros(len(one.normals)), np.zeros(len(one.normals))) for one in surfaces]
+            for place, (slave, master) in enumerate((surfaces, surfaces[::-1])):
+                _, found = face(slave.node_positions(), slave.normals, master)
+                is_hit = found.facet >= 0
+                marks[place][0][is_hit] = 1.0
+                marks[1 - place][1][master.nodes[found.facet[is_hit]]] = 1.0
+            return marks
+
+        return on_root(self.spaces.comm, find)
+
 
 def choose_slaves(contacts: Sequence[NamedSurfaces]) -> list[tuple[bool, str]]:
     """Of every contact whether ``on`` is its slave, and why; collective.
 
     Surfaces in the fewest contacts become slaves first, which leaves the others to be masters: so
-    none is the slave of two contacts, if that is possible.
+    none is the slave of two contacts, if that is possible. Where masters would then follow each
+    other in a ring, some contacts have the other slave.
     """
     chosen: dict[int, tuple[bool, str]] = {}
     for number, contact in enumerate(contacts):
@@ -151,7 +203,30 @@ def choose_slaves(contacts: Sequence[NamedSurfaces]) -> list[tuple[bool, str]]:
                 else "so few surfaces are slaves of several contacts",
             )
         left.remove(number)
+    choice = [chosen[number][0] for number in range(len(contacts))]
+    free = [n for n, one in enumerate(contacts) if one.against is not None and one.wanted == "auto"]
+    if free and has_ring(choice, _meetings(contacts)):
+        # Nodes that do not face the other surface close no ring; to find these takes longer.
+        better = without_rings(choice, free, _meetings(contacts, are_faced=True))
+        chosen |= {n: (is_on, _NO_RING) for n, is_on in enumerate(better) if is_on != choice[n]}
     return [chosen[number] for number in range(len(contacts))]
+
+
+def _meetings(contacts: Sequence[NamedSurfaces], are_faced: bool = False) -> Meetings:
+    """Which surfaces share nodes; collective.
+
+    Args:
+        contacts: The contacts.
+        are_faced: Whether only nodes count that face the other surface.
+    """
+    spaces = contacts[0].spaces
+    slaves = np.zeros((2 * len(contacts), spaces.owned_nodes))
+    masters = np.zeros_like(slaves)
+    for number, contact in enumerate(contacts):
+        rows = slice(2 * number, 2 * number + 2)
+        slaves[rows], masters[rows] = contact.nodes(are_faced)
+    carried = total(spaces.comm, masters @ slaves.T) > 0
+    return Meetings(np.asarray(carried), np.asarray(total(spaces.comm, slaves @ slaves.T) > 0))
 
 
 def _sharing(
