@@ -169,7 +169,7 @@ class AlternatingLoop:
         """
         before = self.newton.save()
         try:
-            solve_coupled(self.newton)
+            solve_coupled(self.newton, of_growth=change > self.settings.outer_tolerance)
         except NotConvergedError:
             self.newton.restore(before)
             if change > self.settings.outer_tolerance:

@@ -7,8 +7,6 @@ all points stuck, with full steps.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -19,6 +17,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.solve.coulomb.friction_scale import fits, follow_pressure
+from fenics_contact.solve.coulomb.giving_up import GrowsError, Watch, is_out_of_scale
 from fenics_contact.solve.coulomb.without_friction import contact_without_friction
 from fenics_contact.solve.newton.newton import Newton
 
@@ -32,9 +31,6 @@ _SCALE_ACCURACY = 0.1
 # Of ε over that which the answer needs, beyond which a step is solved again: its bias stays below
 # .1 %, also where steps add up.
 _TOO_LARGE = 3.0
-# Of the ε that is needed over that which was guessed, beyond which Newton's method is not to go on
-# for long: below it takes hardly more steps.
-_TOO_SMALL = 100.0
 _RESCALINGS = 3
 # Shares of the coefficient on the way to all of it: from below or, where only friction holds a
 # body, from above, as less of it holds nothing.
@@ -42,33 +38,45 @@ _RISING = (0.25, 0.5, 0.75, 1.0)
 _FALLING = (4.0, 2.0, 1.4, 1.2, 1.1, 1.05, 1.02, 1.01, 1.005, 1.002, 1.001, 1.0)
 
 
-def solve_coupled(newton: Newton, hopeless: Callable[[], bool] | None = None) -> None:
+def solve_coupled(newton: Newton, of_scale: bool = False, of_growth: bool = False) -> None:
     """From the present displacements and ε; collective.
 
     Args:
         newton: On a problem with Coulomb contacts.
-        hopeless: As ``Newton.run`` takes it.
+        of_scale: Whether an ε that is much too small ends the solve.
+        of_growth: Whether an imbalance far beyond the forces does, as there are other ways.
+
+    Raises:
+        GrowsError: It grew.
+        NotConvergedError: As ``Newton.run``.
     """
+    watch = Watch(newton, of_scale, of_growth)
     for contact in newton.problem.coulomb:
         contact.friction.stick_all()
         contact.friction.mode = "coupled"
-    newton.run(search_energy=False, hopeless=hopeless)
+    try:
+        newton.run(search_energy=False, hopeless=watch)
+    except NotConvergedError as error:
+        raise (GrowsError(*error.args) if watch.grows else error) from None
 
 
-def monolithic(newton: Newton, start: Array) -> None:
+def monolithic(newton: Newton, start: Array, of_growth: bool = False) -> None:
     """Find ε, from the step before or from contact without friction, and solve; collective.
 
     Args:
         newton: On a problem with Coulomb contacts.
         start: The state to start from, as ``Newton.save`` gave it.
+        of_growth: As of ``solve_coupled``.
     """
     contacts = newton.problem.coulomb
     pressing = [_presses(contact) for contact in contacts]  # others get theirs once they touch
     known = [one.friction.is_scaled or not p for one, p in zip(contacts, pressing, strict=True)]
     if all(known) and any(contact.friction.is_scaled for contact in contacts):
         try:
-            solve_coupled(newton, partial(is_out_of_scale, newton))
+            solve_coupled(newton, of_scale=True, of_growth=of_growth)
             return
+        except GrowsError:
+            raise
         except NotConvergedError as error:
             if not is_out_of_scale(newton):
                 raise
@@ -77,13 +85,7 @@ def monolithic(newton: Newton, start: Array) -> None:
     _find_scale(newton)
     if not newton.softened:
         newton.restore(start)
-    solve_coupled(newton)
-
-
-def is_out_of_scale(newton: Newton) -> bool:
-    """Whether some ε is much less than what the present pressures need; collective."""
-    scaled = [one for one in newton.problem.coulomb if one.friction.is_scaled]
-    return not all([fits(contact, np.inf, _TOO_SMALL) for contact in scaled])
+    solve_coupled(newton, of_growth=of_growth)
 
 
 def _presses(contact: ContactSurface) -> bool:

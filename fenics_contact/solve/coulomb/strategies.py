@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-from collections.abc import Callable
 
-from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.solve.coulomb.alternating_loop import (
@@ -19,6 +17,7 @@ from fenics_contact.solve.coulomb.alternating_loop import (
     LaggedLoop,
     StalledError,
 )
+from fenics_contact.solve.coulomb.giving_up import GrowsError
 from fenics_contact.solve.coulomb.monolithic import continuation, fit_scale, monolithic
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
@@ -26,11 +25,6 @@ from fenics_contact.solve.newton.solution import Solution
 logger = logging.getLogger(__name__)
 
 _LOOPS: dict[str, type[AlternatingLoop]] = {"campos": AlternatingLoop, "lagged": LaggedLoop}
-_AT_ONCE: dict[str, Callable[[Newton, Array], None]] = {
-    "monolithic": monolithic,
-    "continuation": continuation,
-}
-
 # Change of the pressure, over its peak, from which Newton's method is to take over from the loop
 # that `auto` runs.
 _NEAR = 0.1
@@ -106,7 +100,7 @@ class _Strategies:
         for number, way in enumerate(chosen):  # grows where the first way fails
             try:
                 self._start_anew()
-                self._go(way)
+                self._go(way, of_growth=strategy == "auto" and number == 0)
                 fit_scale(self.newton)
                 return dataclasses.replace(
                     self.newton.solution(self.passes, _WORDS[way]),
@@ -116,7 +110,7 @@ class _Strategies:
             except (StalledError, NotConvergedError) as error:
                 attempts.append(f"{_WORDS[way]}: {error}")
                 if strategy == "auto" and number == 0:
-                    chosen += self._order(way)[1:]
+                    chosen += self._next_ways(way, isinstance(error, GrowsError))
                 if number + 1 == len(chosen):
                     imbalances = tuple(self.newton.imbalances)
                     words = attempts[-1] + ("" if strategy == "auto" else _OTHERS)
@@ -139,6 +133,20 @@ class _Strategies:
             order.remove("campos")
         return order
 
+    def _next_ways(self, first: str, grows: bool) -> list[str]:
+        """The ways that `auto` tries where the first one fails; collective.
+
+        Args:
+            first: That failed.
+            grows: Whether it was given up at once, as its imbalance grew. So it does where points
+                stick, however small their pressure. Of their bound nearly nothing depends then:
+                that of the last pass serves, to the end, before Newton's method is tried for long.
+        """
+        if not grows:
+            return self._order(first)[1:]
+        self.near = self.problem.scene.solver.outer_tolerance
+        return self._order("lagged")
+
     def _start_anew(self) -> None:
         """Whatever a way that failed has left behind."""
         for contact in self.problem.coulomb:
@@ -146,9 +154,12 @@ class _Strategies:
             contact.friction.set_share(1.0)
         self.newton.restore(self.start)
 
-    def _go(self, way: str) -> None:
-        if way in _AT_ONCE:
-            _AT_ONCE[way](self.newton, self.start)
+    def _go(self, way: str, of_growth: bool) -> None:
+        if way == "monolithic":
+            monolithic(self.newton, self.start, of_growth)
+            return
+        if way == "continuation":
+            continuation(self.newton, self.start)
             return
         loop = _LOOPS[way](self.newton)
         try:

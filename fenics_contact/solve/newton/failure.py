@@ -15,13 +15,14 @@ from fenics_contact.solve.systems.system import System
 NO_SOLVE = -3
 NOT_A_NUMBER = -4
 NO_STEP_FOUND = -6
+GROWS = -9
 GIVEN_UP = -10
 _REASONS = {
     NO_SOLVE: "the linear system could not be solved (a singular matrix: is the body held?)",
     NOT_A_NUMBER: "the forces became infinite or not a number",
     -5: "the Newton steps allowed were used up",
     NO_STEP_FOUND: "the line search found no step",
-    -9: "the force imbalance grows",
+    GROWS: "the force imbalance grows",
     GIVEN_UP: "pressures are far from those that the regularisation was chosen for",
 }
 # Newton steps by which an imbalance is judged to fall or not.

@@ -80,7 +80,7 @@ class Newton:
         self.limit = 0.0
         self.softened = False
         self.begin = Beginning(problem, system, timings)
-        self._hopeless: Callable[[], bool] | None = None
+        self._hopeless: Callable[[int], int] | None = None
         self._chatter = Chatter(problem.contacts, problem.comm)
         self._damping = Damping()
         self.stopped: Callable[[], bool] = lambda: False
@@ -99,7 +99,7 @@ class Newton:
         self,
         search_energy: bool | None = None,
         tolerance: float | None = None,
-        hopeless: Callable[[], bool] | None = None,
+        hopeless: Callable[[int], int] | None = None,
     ) -> None:
         """Solve from the present state, with the modes that the contacts' terms have.
 
@@ -107,8 +107,8 @@ class Newton:
             search_energy: Search along the steps for the least energy, or take full ones; by
                 default search where a contact is one-sided.
             tolerance: Imbalance over the forces to accept; by default the scene's.
-            hopeless: Asked after every few steps of a long solve, whether to give it up;
-                collective.
+            hopeless: Asked before every step, by the number of those so far, for PETSc's reason to
+                give the solve up, 0 to go on; collective.
 
         Raises:
             NotConvergedError: In words, with the history of the force imbalance.
@@ -334,9 +334,7 @@ class Newton:
             own = self.imbalances[self._before :]
             if comes_no_nearer(own) and PenaltyPath(self.problem).exists:
                 return GIVEN_UP
-        if self._hopeless is not None and iteration and iteration % _LONG == 0 and self._hopeless():
-            return GIVEN_UP
-        return PETSc.SNES.ConvergedReason.CONVERGED_ITERATING
+        return 0 if self._hopeless is None else self._hopeless(iteration)
 
     def _round_off(self) -> float:
         """What round-off leaves of a residual (force); collective."""

@@ -147,7 +147,7 @@ def test_what_newtons_method_leaves_is_seen():
     assert tight.errors["friction_force"]["iteration"] < 1e-9
 
 
-def never(*arguments):
+def never(*arguments, **others):
     raise NotConvergedError("made to fail", ())
 
 
