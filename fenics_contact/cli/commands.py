@@ -143,9 +143,8 @@ def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bo
     comm = MPI.COMM_WORLD
     settings = petsc_options.parse(options.petsc)
     files.require_writable(folder, comm)
-    lock = FolderLock(folder)
-    on_root(comm, lock.take)
-    with petsc_options.given(settings, comm):
+    with FolderLock(folder) as lock, petsc_options.given(settings, comm):
+        on_root(comm, lock.take)
         with activity(scene.load_steps, comm, options.quiet, names_of(scene)) as announce:
             prepared = _prepared(scene, comm)
             on_root(comm, lambda: lock.take(make=True))

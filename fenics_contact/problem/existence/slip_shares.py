@@ -203,15 +203,9 @@ def _rigid_slip(
         part = np.einsum("q,qci,qcj->ij", weights, slips, slips)
         allowed += allowance(contact.kinematics.facet_turn) ** 2 * part
         if contact.friction.rubs:
-            traction = state.friction_traction[closed]
-            work -= np.einsum("q,qc,qci->i", weights, traction, slips)
-            whole = np.zeros_like(jump)
-            whole[closed] = slips
-            felt = contact.friction.rule.metric.at_each(whole)[closed]
-            bounds = weights * contact.friction.present_bound(state.contact_pressure)[closed]
-            rows.append(
-                np.column_stack([bounds, felt.reshape(len(felt), spaces.components * motions)])
-            )
+            work_here, held = _friction_of(contact, state, jump)
+            work += work_here
+            rows.append(held)
     table = gather_rows(spaces.comm, np.concatenate(rows))
     across, allowed = total(spaces.comm, np.stack([across, allowed]))
     return RigidSlip(
@@ -219,5 +213,29 @@ def _rigid_slip(
         allowed=allowed,
         work=np.asarray(total(spaces.comm, work)),
         bounds=table[:, 0],
-        slips=table[:, 1:].reshape(-1, spaces.components, motions),
+        slips=table[:, 1:].reshape(len(table), spaces.components, motions),
     )
+
+
+def _friction_of(contact: ContactSurface, state: ContactState, jump: Array) -> tuple[Array, Array]:
+    """Work of the friction found on motions, and what friction can hold, on this rank.
+
+    A bound that is averaged over a neighbourhood also holds points that do not touch.
+
+    Args:
+        contact: The contact, with friction.
+        state: What happens at its points.
+        jump: Of the motions there, (points, components, motions).
+
+    Returns:
+        The work, (motions,), and rows of the bound and the slips as friction feels them.
+    """
+    bound = contact.friction.present_bound(state.contact_pressure)
+    held = contact.trace.owned & ((state.status != OPEN) | (bound > 0))
+    weights, normals = contact.trace.weights, contact.trace.normals
+    slips = jump - normals[:, :, None] * np.einsum("qci,qc->qi", jump, normals)[:, None, :]
+    traction = state.friction_traction[held]
+    work = -np.einsum("q,qc,qci->i", weights[held], traction, slips[held])
+    felt = contact.friction.rule.metric.at_each(slips)[held]
+    rows = (weights * bound)[held], felt.reshape(len(felt), np.prod(jump.shape[1:], dtype=int))
+    return work, np.column_stack(rows)

@@ -27,6 +27,12 @@ class FolderLock:
         self._folder = folder
         self._give_up: weakref.finalize[[int], FolderLock] | None = None
 
+    def __enter__(self) -> FolderLock:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.give_up()
+
     def take(self, make: bool = False) -> None:
         """Keep others out from now on, once the folder is there.
 

@@ -153,13 +153,17 @@ class Newton:
         if not path.exists:
             return
         self.softened, self._most = True, ON_THE_WAY
+        most = len(self.imbalances) + self.problem.scene.solver.max_iterations
         try:
-            path.follow(self._solve_a_little)
+            path.follow(lambda: self._solve_a_little(most))
         finally:
             self._most = None
         self.system.take(self.system.state)
 
-    def _solve_a_little(self) -> None:
+    def _solve_a_little(self, most: int) -> None:
+        """Under a softer penalty, unless so many imbalances are known already; collective."""
+        if len(self.imbalances) >= most:
+            return
         before = self.save()
         with suppress(NotConvergedError):
             self._solve()

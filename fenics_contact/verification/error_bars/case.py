@@ -249,8 +249,8 @@ def of_element(scene: Scene, element: Element) -> Scene:
     cell: Literal["triangle", "quadrilateral"] = (
         "triangle" if element.startswith("P") else "quadrilateral"
     )
-    return dataclasses.replace(
-        scene,
-        mesh=tuple(dataclasses.replace(mesh, cell=cell) for mesh in scene.mesh),
-        discretisation=Discretisation(int(element[1])),
+    degree = int(element[1])  # of degree 1 no cells may be curved
+    meshes = (
+        dataclasses.replace(mesh, cell=cell, order=min(mesh.order, degree)) for mesh in scene.mesh
     )
+    return dataclasses.replace(scene, mesh=tuple(meshes), discretisation=Discretisation(degree))
