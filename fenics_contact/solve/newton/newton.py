@@ -150,20 +150,17 @@ class Newton:
         self.restore(start)
         self.problem.stick_all()
         path = PenaltyPath(self.problem)
-        if not path.exists:
+        if self.problem.scene.solver.max_iterations < ON_THE_WAY or not path.exists:
             return
         self.softened, self._most = True, ON_THE_WAY
-        most = len(self.imbalances) + self.problem.scene.solver.max_iterations
         try:
-            path.follow(lambda: self._solve_a_little(most))
+            path.follow(self._solve_a_little)
         finally:
             self._most = None
         self.system.take(self.system.state)
 
-    def _solve_a_little(self, most: int) -> None:
-        """Under a softer penalty, unless so many imbalances are known already; collective."""
-        if len(self.imbalances) >= most:
-            return
+    def _solve_a_little(self) -> None:
+        """Under one of the softer penalties; collective."""
         before = self.save()
         with suppress(NotConvergedError):
             self._solve()
