@@ -47,8 +47,8 @@ def solve_coupled(newton: Newton, of_scale: bool = False, of_growth: bool = Fals
         of_growth: Whether an imbalance far beyond the forces does, as there are other ways.
 
     Raises:
-        GrowsError: It grew.
-        NotConvergedError: As ``Newton.run``.
+        NotConvergedError: As ``Newton.run``; a ``giving_up.GrowsError`` where the imbalance grew
+            far beyond the forces.
     """
     watch = Watch(newton, of_scale, of_growth)
     for contact in newton.problem.coulomb:
