@@ -168,7 +168,7 @@ def attempt(
     notes: list[str],
     expected: tuple[type[Exception], ...] = (),
 ) -> T:
-    """Do something beside an answer that stands without it; collective.
+    """Try an estimate, a picture or the like, without which the answer still stands; collective.
 
     A rank that fails alone, while others wait for it, still ends them all.
 

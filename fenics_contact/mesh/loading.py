@@ -181,7 +181,7 @@ def _load(
 
 
 def _findings(source: MeshSource, mesh: MeshArrays) -> Iterator[Finding]:
-    """What is to be said of a mesh as it was read; Gmsh's own, of a geometry, fit together."""
+    """Notes on a mesh as it was read; Gmsh's own, of a geometry, fit together."""
     yield from (Finding(words, False) for words in mesh.notes)
     if is_geometry(source):
         return

@@ -107,7 +107,7 @@ class BodyKinematics(ContactKinematics):
 
     @property
     def facet_turn(self) -> float:
-        """By what angle facets of either surface are turned from the normals, about (radians)."""
+        """Angle between the facets of either surface and the averaged normals, about (radians)."""
         return max(self.trace.averaged.turn, self._opposite.averaged.turn)
 
     def missed(self) -> Array:

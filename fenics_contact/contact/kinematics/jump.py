@@ -212,7 +212,7 @@ class ContactKinematics(ABC):
 
     @property
     def facet_turn(self) -> float:
-        """By what angle facets are turned from the normals, about (radians)."""
+        """Angle between the surface's facets and its averaged normals, about (radians)."""
         return self.trace.averaged.turn
 
     @property
