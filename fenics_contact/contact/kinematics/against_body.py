@@ -16,7 +16,7 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.contact.kinematics.between_points import BetweenPoints, nowhere, padded
-from fenics_contact.contact.kinematics.jump import ContactKinematics, require_smooth
+from fenics_contact.contact.kinematics.jump import ROUND_OFF, ContactKinematics, require_smooth
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.mortar.ray_projection import hits
 from fenics_contact.contact.surface.facet_sizes import relative_facet_size
@@ -59,8 +59,21 @@ class BodyKinematics(ContactKinematics):
         self.trace.turn(pairing.normals, pairing.centre_normals)
         counts = self.trace.count(pairing.shares)
         gap = np.where(counts, pairing.gaps, np.inf)
-        self._measure(self.without_round_off(gap, self.trace.surface.farthest()))
+        size = self.trace.surface.farthest()
+        self._measure(self.without_round_off(self._fitted(gap, ROUND_OFF * size), size))
         self._first_jump = self.jump_at_points()
+
+    def _fitted(self, gap: Array, negligible: float) -> Array:
+        """A gap as facets can close it: curved ones that do not match leave others; collective.
+
+        Args:
+            gap: At the points, infinite where nothing is faced (length).
+            negligible: The round-off in it, which is left as it is (length).
+        """
+        faces = np.isfinite(gap)
+        fitted = self.trace.fitted(gap, faces)
+        off = largest(self._spaces.comm, np.abs(fitted[faces] - gap[faces]))
+        return fitted if off > negligible else gap
 
     def require_one_sided(self, key: str) -> None:
         """Refuse surfaces with a sharp edge.
@@ -115,7 +128,8 @@ class BodyKinematics(ContactKinematics):
 
         At the points, < 0 where they are too narrow (length).
         """
-        return super().missed() + self.pairing.missed_opposite(self._places, self.trace.normals)
+        opposite = self.pairing.missed_opposite(self._places, self.trace.normals)
+        return self.trace.fitted(super().missed() + opposite, self.reached)
 
     def relative(self, displacement: Array) -> Array:
         """U − P u' at all nodes of the surface, (nodes, components, ...); collective.

@@ -23,7 +23,7 @@ from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.contact.surface.trace import Trace
 
 # Of the lengths that a gap is a difference of: an overlap of no more is round-off.
-_ROUND_OFF = 32 * float(np.finfo(float).eps)
+ROUND_OFF = 32 * float(np.finfo(float).eps)
 # Of an obstacle's motion: what rounding may leave between it and the gap that it has closed.
 _HAIR = 8 * float(np.finfo(float).eps)
 
@@ -302,7 +302,7 @@ class ContactKinematics(ABC):
         moved = float(np.linalg.norm(motion))
         across = self.trace.normals @ motion
         overlap = -across - gap
-        touches = (overlap > 0) & (overlap <= _ROUND_OFF * (size + moved))
+        touches = (overlap > 0) & (overlap <= ROUND_OFF * (size + moved))
         return np.where(touches, _HAIR * moved - across, gap)
 
     def end_of_obstacle(self, reached: Integers, beyond: Integers) -> Array:

@@ -162,6 +162,23 @@ class Trace:
             return values
         return np.concatenate([values, self._centres.interpolate(nodal)])
 
+    def fitted(self, values: Array, known: Flags) -> Array:
+        """Scalars at the points as a function of the facets' space, the nearest one; collective.
+
+        Only nodes move the centres of facets: a gap that is no such function cannot be closed at
+        all points, and would be pressed out by pressures that make no force at any node. Where all
+        points are nodes, every gap is such a function.
+
+        Args:
+            values: At the points, (points,).
+            known: Points that have one. A facet with one that has none keeps its values.
+        """
+        if self._centres is None:
+            return values
+        count = len(self.nodes)
+        within = known[count:] & known[:count][self._centres.nodes].all(axis=1)
+        return self._centres.fitted(values, self._whole_weights, within)
+
     def onto_nodes(self, values: Array) -> Array:
         """What ``at_points`` is transposed: Σ N_i × vectors over the points, at all nodes.
 
