@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.parallel import largest
+from fenics_contact.problem.existence.friction_cones import contact_cones
 from fenics_contact.problem.existence.rigid_slip import allowance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
@@ -23,7 +24,8 @@ def named_motions(problem: Problem, rigid: RigidMotions) -> list[dict[str, Any]]
         contacts that may stop it once they touch.
     """
     rows = []
-    for motion in np.eye(rigid.count):
+    motions = contact_cones(problem, rigid).aligned()[1] if rigid.count else np.zeros((0, 0))
+    for motion in motions.T:
         resisted = []
         for contact in problem.contacts:
             if not contact.terms:

@@ -137,7 +137,8 @@ def _share_of_friction(
     """
     if rigid.count == 0 or rigid.force_size == 0:
         return 0.0, np.zeros(rigid.count)
-    cones = contact_cones(problem, rigid).of_motions(among)
+    cones, aligned = contact_cones(problem, rigid).of_motions(among).aligned()
+    among = among @ aligned
     analysis = LimitAnalysis(cones, rigid.force @ among, rigid.force_size)
     share, found = on_root(problem.comm, analysis.used_share)
     motion = among @ found

@@ -12,7 +12,7 @@ from fenics_contact.common.parallel import gather_rows, largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.existence.rigid_slip import allowance, motions_along
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.rigid_motions import RigidMotions
+from fenics_contact.problem.rigid_motions import RigidMotions, reduced
 
 # Of the slip of a motion: what is less across a surface is round-off.
 _FLAT = 1e-12
@@ -65,6 +65,27 @@ class ContactCones:
         row = self.average[[point]]
         weights = (row.data * self.coefficients[row.indices])[:, None] * directions[row.indices]
         return np.asarray(np.einsum("ic,icm->m", weights, self.slips[row.indices]))
+
+    def aligned(self) -> tuple[ContactCones, Array]:
+        """Take motions that close no contact as columns of their own, which close nothing at all.
+
+        As a shaft's rotation in its bearing, also where its centre of mass lies beside its axis:
+        else pressures of any size would hold the round-off of a combination.
+
+        Returns:
+            The cones of these motions, and the motions, as columns, (motions, motions).
+        """
+        motions = np.eye(self.closing.shape[1])
+        _, sizes, rows = np.linalg.svd(np.linalg.qr(self.closing, mode="r"))
+        sizes = np.append(sizes, np.zeros(len(rows) - len(sizes)))
+        along = reduced(rows[sizes <= _ROUND_OFF * sizes.max(initial=0.0)].T)
+        # Each is the only one in some row, of whose motion it takes the place.
+        places = [int(np.abs(along - one).max(axis=1).argmin()) for one in np.eye(along.shape[1])]
+        motions[:, places] = along
+        found = self.of_motions(motions)
+        closing = found.closing.copy()
+        closing[:, places] = 0.0
+        return replace(found, closing=closing), motions
 
     def of_motions(self, motions: Array) -> ContactCones:
         """The same of combinations of the motions, as columns."""
@@ -140,7 +161,10 @@ def _smooth(contact: ContactSurface, closing: Array, jumps: Array, acts: Flags) 
         return closing
     smooth = closing - (closing @ along) @ shares
     small = _ROUND_OFF * largest(comm, np.abs(jumps[acts]).ravel())
-    return np.where(np.abs(smooth) > small, smooth, 0.0)
+    # A motion is taken off as a whole: of single numbers, sums would no longer vanish.
+    sizes = [largest(comm, np.abs(column)) for column in smooth[acts].T]
+    smooth[:, np.array(sizes) <= small] = 0.0
+    return smooth
 
 
 def _average(points: Integers, averages: dict[int, csr_matrix]) -> csr_matrix:

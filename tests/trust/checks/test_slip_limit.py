@@ -31,17 +31,18 @@ from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
 SILENT = SolverSettings(errors="none")
-# A ring of inner and outer radius, its groups `hole` and `rim`.
+# A ring of inner and outer radius, its groups `hole` and `rim`; the hole may lie aside.
 RING = """
-DefineConstant[ inner = 0.5, outer = 1, cells = 24 ];
+DefineConstant[ inner = 0.5, outer = 1, aside = 0, cells = 24 ];
 Point(1) = {0, 0, 0};
+Point(10) = {aside, 0, 0};
 For i In {0:3}
   Point(2 + i) = {outer * Cos(i * Pi / 2), outer * Sin(i * Pi / 2), 0};
-  Point(6 + i) = {inner * Cos(i * Pi / 2), inner * Sin(i * Pi / 2), 0};
+  Point(6 + i) = {aside + inner * Cos(i * Pi / 2), inner * Sin(i * Pi / 2), 0};
 EndFor
 For i In {0:3}
   Circle(1 + i) = {2 + i, 1, 2 + (i + 1) % 4};
-  Circle(5 + i) = {6 + i, 1, 6 + (i + 1) % 4};
+  Circle(5 + i) = {6 + i, 10, 6 + (i + 1) % 4};
   Line(9 + i) = {6 + i, 2 + i};
 EndFor
 For i In {0:3}
@@ -277,3 +278,25 @@ def test_facets_of_a_bearing_do_not_hold_its_shaft(geometry, order):
     for share, pads in ((1.05, True), (0.5, False)):
         with pytest.raises(NoEquilibriumError, match="rotation about z of 'shaft'"):
             Run(meshed(braked(geometry, share, pads)), COMM)
+
+
+def test_a_shaft_turns_about_its_axis_wherever_its_centre_of_mass_lies(geometry):
+    """With its hole aside by a: pads in there slip by .5 + a cos θ, in the mean as before.
+
+    The load is without that on a disc of radius .5 at a, ∫ r² = π/4 (1/8 + a²).
+    """
+    aside = 0.1
+    lighter = 1 - np.pi * 0.25 * aside**2 / (np.pi / 2 * (1 - 0.5**4))
+
+    def with_hole_aside(scene):
+        shaft, hub = scene.mesh
+        given = {**shaft.parameters, "aside": aside}
+        return dataclasses.replace(scene, mesh=(dataclasses.replace(shaft, parameters=given), hub))
+
+    held = Run(with_hole_aside(braked(geometry, 0.98)), COMM).free_motion
+    assert held.used_share == pytest.approx(0.98 * lighter, rel=1e-3)
+    resisted = {row["motion"]: row["resisted_by"] for row in held.motions}
+    turns = "translation along y of 'shaft', rotation about z of 'shaft'"
+    assert resisted[turns] == ["friction at 'shaft.hole'"]
+    with pytest.raises(NoEquilibriumError, match=turns):
+        Run(with_hole_aside(braked(geometry, 1.05)), COMM)
