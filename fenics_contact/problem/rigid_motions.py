@@ -312,7 +312,7 @@ def is_part_free(problem: Problem) -> Flags:
     owned = spaces.owned_nodes
     held = np.zeros(owned * spaces.components)
     held[problem.constrained[problem.constrained < held.size]] = 1.0
-    return np.asarray(spaces.parts.sums(held.reshape(owned, -1).sum(axis=1)) == 0.0)
+    return np.asarray(spaces.parts.sums(held.reshape(owned, spaces.components).sum(axis=1)) == 0.0)
 
 
 def null_space(gram: Array) -> Array:

@@ -360,7 +360,7 @@ def test_of_two_runs_in_one_folder_the_second_is_refused(tmp_path, capsys):
     command = ["run", scene, "--out", str(out), "--quiet"]
     assert main(command) == 2
     said = error_of(capsys)
-    assert said.count("\n") == 1 and "another run or sweep is being solved there" in said
+    assert said.count("\n") == 1 and "another run, sweep or fit is at work there" in said
     assert list(out.iterdir()) == []
     first.give_up()
     assert main(command) == 0

@@ -275,6 +275,25 @@ def test_one_cell_for_all_ranks(folder):
     assert_same(run(scene, MPI.COMM_SELF), result)
 
 
+@pytest.mark.parametrize("solver", ["condensed", "full", "iterative"])
+def test_one_cell_under_an_obstacle_for_all_ranks(solver, folder):
+    """A cube of side 1 that is pressed by 1 %: F = E/100 without lateral strain, and its bars."""
+    scene = Scene(
+        kinematics="3D",
+        material=Material(1000, 0.0),
+        support=(Support("z0", {"x": 0, "y": 0, "z": 0}),),
+        contact=(Contact("z1", obstacle=Obstacle("plane", position=(0, 0, 1), indentation=0.01)),),
+        solver=SolverSettings(solver=solver, errors="all"),
+    )
+    prepared = Run(scene, COMM, box_body((1, 1, 1), (1, 1, 1)))
+    result = prepared.solve()
+    files.write(prepared, result, folder)
+    assert result.quantities["normal_force"] == pytest.approx(10, rel=1e-3)
+    assert_same(
+        run(scene, MPI.COMM_SELF, box_body((1, 1, 1), (1, 1, 1), comm=MPI.COMM_SELF)), result
+    )
+
+
 @pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
 @pytest.mark.parametrize("degree", [1, 2])
 def test_fields_read_back_are_those_of_every_rank(cell, degree, folder):

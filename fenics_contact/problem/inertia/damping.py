@@ -140,7 +140,7 @@ def _dashpots(group: Group, density: Mass, elastic: ElasticBody, spaces: Spaces)
     form = form_cache.form(spaces.weight * resisted * spaces.boundary(group))
     matrix = csr_matrix(fem.assemble_matrix(form).to_scipy(ghosted=True))
     blocks = _diagonal_blocks(matrix, len(spaces.coordinates), spaces.components)
-    flat = spaces.summed(blocks.reshape(len(blocks), -1)).reshape(blocks.shape)
+    flat = spaces.summed(blocks.reshape(len(blocks), spaces.components**2)).reshape(blocks.shape)
     own = slice(spaces.owned_nodes)
     # The trace of all of it: dashpots of every component that moves by 1.
     here = total(spaces.comm, float(np.einsum("nii->", flat[own])))

@@ -40,7 +40,7 @@ class FolderLock:
             make: Whether to make the folder, if it is not.
 
         Raises:
-            InputError: Another run or sweep is being solved there.
+            InputError: Another run, sweep or fit is at work there.
         """
         if make:
             make_folder(self._folder)
@@ -52,7 +52,7 @@ class FolderLock:
         except BlockingIOError:
             os.close(opened)
             raise InputError(
-                f"'{self._folder}': another run or sweep is being solved there; wait until it has "
+                f"'{self._folder}': another run, sweep or fit is at work there; wait until it has "
                 "ended, or give another --out"
             ) from None
         except OSError as error:  # of file systems that have no locks

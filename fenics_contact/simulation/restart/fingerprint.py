@@ -139,7 +139,9 @@ def of_mesh(body: Body) -> str:
     count = mesh.topology.index_map(mesh.topology.dim).size_local
     original = np.asarray(mesh.topology.original_cell_index[:count], dtype=np.uint64)
     corners = mesh.geometry.x[compat.geometry_nodes(mesh)[:count]]
-    bits = np.ascontiguousarray(corners.reshape(count, -1) + 0.0).view(np.uint64)
+    bits = np.ascontiguousarray(corners.reshape(count, np.prod(corners.shape[1:])) + 0.0).view(
+        np.uint64
+    )
     with np.errstate(over="ignore"):
         mixed = original * np.uint64(0x9E3779B97F4A7C15)
         for column in bits.T:

@@ -111,7 +111,7 @@ def _at_nodes(
     asked = np.zeros(count)
     for contact in obstacles.values():
         asked += contact.on_body
-    is_held = np.zeros((count, problem.load.size // count), dtype=bool)
+    is_held = np.zeros((count, problem.spaces.components), dtype=bool)
     for dofs, _ in held:
         is_held.reshape(-1)[dofs] = True
     chosen = asked + is_held.any(axis=1) > 1

@@ -107,7 +107,7 @@ def test_a_folder_has_one_sweep_at_a_time(scene, tmp_path):
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout.readline() == "held\n"
         for resume in (False, True):
-            with pytest.raises(InputError, match="run or sweep is being solved there") as caught:
+            with pytest.raises(InputError, match="run, sweep or fit is at work there") as caught:
                 swept(scene, [f"{MU}=0.2,0.3,0.4"], out, resume=resume)
             assert "\n" not in str(caught.value)
         assert {path.name: path.read_bytes() for path in out.iterdir()} == before
@@ -128,7 +128,7 @@ def test_of_two_sweeps_that_begin_at_once_one_has_the_folder(scene, tmp_path, mo
 
     with monkeypatch.context() as meanwhile:
         meanwhile.setattr(journal_file, "make_folder", make_folder)
-        with pytest.raises(InputError, match="run or sweep is being solved there"):
+        with pytest.raises(InputError, match="run, sweep or fit is at work there"):
             swept(scene, [f"{MU}=0.2"], out)
     assert not list(out.iterdir())
     other.give_up()
