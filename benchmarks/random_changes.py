@@ -25,6 +25,8 @@ _DERIVED = ("vertical", "vertical_reaction")
 _OSCILLATES, _CONVERGES = 0.25, 0.75
 # Edges of what touches or sticks lie inside cells where the areas move by this share.
 _MOVED = 0.02
+# Checks that fail where cells are too coarse for an answer.
+_OF_CELLS = {"unseen_contact", "boundary_stress"}
 # What a run says of quantities that no mesh brings to an end; of all, and of peaks that may be so.
 _ENDLESS = ("does not converge", "do not converge")
 _ALL_ENDLESS, _PERHAPS = "Only what loads alone decide", "grows with every refinement"
@@ -98,6 +100,26 @@ def refinements(rows: Iterable[Row]) -> Iterator[Change]:
                 if finest and change.name in finest["quantities"]:
                     change = _judged(change, coarse, fine, finest)
                 yield change
+
+
+def refused_rightly(rows: Iterable[Row]) -> set[int]:
+    """Numbers of scenes whose cells are too coarse, as their checks say: they are off their twins.
+
+    Only checks of how fine cells are fail, and some quantity is off by more than 1 % against a
+    twin that passed all checks. A twin counts for all numbers of ranks.
+    """
+    rows = list(rows)
+    twins = {row["number"]: row for row in rows if row["stage"] == "twin" and row["code"] == 0}
+    found = set()
+    for row in rows:
+        twin = twins.get(row["number"])
+        if twin is None or row["stage"] != "coarse" or row["code"] != 4:
+            continue
+        failed = {name for name, share in row["checks"].items() if not share <= 1}
+        changes = _changes(row, twin, "twin", twin["factors"])
+        if failed <= _OF_CELLS and any(change.far for change in changes):
+            found.add(row["number"])
+    return found
 
 
 def short_bars(changes: Iterable[Change]) -> list[Change]:

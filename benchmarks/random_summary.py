@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable
 from typing import Any
 
-from random_changes import Change, independent, refinements, short_bars
+from random_changes import Change, independent, refinements, refused_rightly, short_bars
 from random_coverage import against_statics, coverage, rank_differences, table
 
 Row = dict[str, Any]
@@ -41,11 +41,14 @@ def say(row: Row) -> None:
 
 def failures(rows: list[Row]) -> list[str]:
     """What must not be: a crash, a hang, an answer that is not trusted or wrong."""
+    too_coarse = refused_rightly(rows)
     found = [
         f"{row['number']} ({row['kind']}), {row['ranks']} ranks, {row['stage']}: "
         f"{NAMES[row['code']]}"
         for row in rows
-        if row["code"] in (-1, -2) or _is_not_trusted(row) or not row.get("finite", True)
+        if row["code"] in (-1, -2)
+        or (_is_not_trusted(row) and row["number"] not in too_coarse)
+        or not row.get("finite", True)
     ]
     found += against_statics(rows) + rank_differences(rows)
     return found + [f"wrong and passed: {words(change)}" for change in wrong(rows, listed=False)]
@@ -81,6 +84,8 @@ def words(change: Change) -> str:
 def report(rows: list[Row]) -> str:
     """Outcomes by kind, failures, coverage, bars that are too short."""
     lines = ["", outcomes(rows), "", nearest(rows), ""]
+    coarse = sorted(refused_rightly(rows))
+    lines += [f"{len(coarse)} not trusted, and off their twins: {', '.join(map(str, coarse))}"]
     failed = failures(rows)
     lines += [f"{len(failed)} failures", *(f"  {text}" for text in failed), ""]
     listed = wrong(rows, listed=True)

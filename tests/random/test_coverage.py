@@ -12,10 +12,17 @@ from tests.scenes import ROOT
 sys.path.append(str(ROOT / "benchmarks"))
 
 import random_pool
-from random_changes import EDGES, SWINGS, independent, refinements, wants_finest
+from random_changes import (
+    EDGES,
+    SWINGS,
+    independent,
+    refinements,
+    refused_rightly,
+    wants_finest,
+)
 from random_coverage import against_statics, coverage, rank_differences, table
 from random_scenes import begin, jobs, read, write_section
-from random_summary import section, wrong
+from random_summary import failures, section, wrong
 
 from fenics_contact.verification.error_bars.table import kept
 
@@ -187,6 +194,27 @@ def test_a_twin_counts_with_its_factors():
     (change,) = independent([row(1, normal_force=(100.0, 1.0), max_slip=(1.0, 0.1)), twin])
     assert change.change == pytest.approx(5.0)
     assert change.wrong
+
+
+@pytest.mark.parametrize(
+    ("force", "failed", "code", "is_rightly"),
+    [
+        (104.0, "unseen_contact", 0, True),
+        (104.0, "boundary_stress", 0, True),
+        (100.4, "unseen_contact", 0, False),
+        (104.0, "equilibrium", 0, False),
+        (104.0, "unseen_contact", 4, False),
+    ],
+)
+def test_what_is_not_trusted_must_be_off_its_twin(force, failed, code, is_rightly):
+    """By more than 1 %, with a check of cells that fails and a twin that passes; on any ranks."""
+    twin = row(1, "twin", code=code, normal_force=(force, None)) | {"factors": {"normal_force": 1}}
+    checks = {"checks": {failed: 1.2, "friction_law": 0.1}}
+    rows = [row(1, code=4, ranks=n, normal_force=(100.0, None)) | checks for n in (1, 2)]
+    assert refused_rightly([*rows, twin]) == ({1} if is_rightly else set())
+    found = [text for text in failures([*rows, twin]) if "coarse" in text]
+    assert len(found) == (0 if is_rightly else 2)
+    assert len(failures(rows)) == 2
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,13 @@ def test_no_damage_is_solved_wrongly(number):
     assert not row["is_wrong"], row
 
 
+def test_what_is_not_trusted_leaves_the_rows_alone(capfd):
+    """A cell of next to no volume: the program says its checks where the rows of a worker go."""
+    row = row_of(31337, 189, 60)
+    assert row["came"] == "not trusted" and "do not trust it" in row["words"]
+    assert capfd.readouterr().out == ""
+
+
 def test_draws_stay_the_same():
     assert draw(3, 4) == draw(3, 4)
     assert draw(3, 4).text != draw(3, 5).text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from math import sqrt
 
 from fenics_contact import Contact, Load, Obstacle
 from fenics_contact.verification.boxes import Box
@@ -16,6 +17,7 @@ from tests.random.kinds.common import (
     material_of,
     size_of,
 )
+from tests.random.kinds.small_obstacles import Graded
 from tests.random.scenes import RandomScene, Twin
 
 CELLS = (("quadrilateral", 2), ("quadrilateral", 1), ("triangle", 2), ("triangle", 1))
@@ -40,16 +42,16 @@ def _strips(dice: Dice, thickness: float, names: tuple[str, ...]) -> tuple[Box, 
     )
 
 
-def _with_twin(kind, elements, parts, length, **keys) -> RandomScene:
-    """With the same on cells of degree 2, four and more across."""
+def _with_twin(kind, elements, parts, length, shape=None, **keys) -> RandomScene:
+    """With the same on cells of degree 2, four and more across; these may have their own shape."""
     fine = Elements(elements.kinematics, "quadrilateral", 2)
     finer = tuple(
         dataclasses.replace(part, cells=(3 * part.cells[0], max(4, part.cells[1])))
         for part in parts
     )
-    shape = Turned(length=length)
-    twin = Twin(made("finer", fine, finer, shape, **keys), dict.fromkeys(SAME, 1.0))
-    return made(kind, elements, parts, shape, (), "answered", twin=twin, **keys)
+    own = Turned(length=length)
+    twin = Twin(made("finer", fine, finer, shape or own, **keys), dict.fromkeys(SAME, 1.0))
+    return made(kind, elements, parts, own, (), "answered", twin=twin, **keys)
 
 
 def _leaves(dice, elements, length, thickness) -> RandomScene:
@@ -87,8 +89,10 @@ def _plate(dice, elements, length, thickness) -> RandomScene:
     depth = short(length * thickness * dice.logarithmic(1e-3, 0.3))
     place = (0.0, length * thickness)
     obstacle = Obstacle("sphere", radius=radius, position=place, indentation=depth)
+    touching = sqrt(radius * depth) / length
+    graded = Graded((0.0, thickness), touching, thickness, length)
     return _with_twin(
-        "thin plate", elements, parts, length, material=material_of(dice),
+        "thin plate", elements, parts, length, graded, material=material_of(dice),
         support=(held("plate.x1", 2),),
         contact=(Contact("plate.y1", obstacle=obstacle, **friction_of(dice)),),
     )  # fmt: skip
