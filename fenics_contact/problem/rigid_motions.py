@@ -11,13 +11,14 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.existence.smooth_closing import smooth_closing
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
 
 # Of a jump: what the round-off of normals leaves along the surface.
 _ROUND_OFF = 1e-12
-# Share of a motion from which it is named.
-_TAKES_PART = 1e-6
+# Share of a motion from which it is one; and is named: facets do not tell where an axis is exactly.
+_TAKES_PART, _NAMED = 1e-6, 0.02
 
 
 class RigidMotions:
@@ -168,9 +169,10 @@ class RigidMotions:
             if not contact.is_one_sided:
                 continue
             trace = contact.trace
-            closing = np.einsum("ijk,ij->ik", self.jumps(contact), trace.normals)
-            gap = self.gap(contact)
+            jumps, gap = self.jumps(contact), self.gap(contact)
+            closing = np.einsum("ijk,ij->ik", jumps, trace.normals)
             acts = trace.owned & np.isfinite(gap) & contact.normal.can_press()
+            closing = smooth_closing(contact, closing, jumps, acts)
             rows.append(np.column_stack([trace.weights, closing, gap])[acts])
         table = gather_rows(self._problem.comm, np.concatenate(rows))
         return table[:, 0], table[:, 1:-1], table[:, -1]
@@ -209,7 +211,7 @@ class RigidMotions:
     def parts_moved(self, motion: Array) -> list[str]:
         """Names of the parts of the body that take part in a motion."""
         shares = np.abs((self._body @ motion).reshape(self._problem.spaces.parts.count, -1))
-        moved = shares.max(axis=1, initial=0.0) > _TAKES_PART * np.abs(motion).max(initial=0.0)
+        moved = shares.max(axis=1, initial=0.0) > _NAMED * np.abs(motion).max(initial=0.0)
         names = self._problem.spaces.parts.names
         return [name for name, moves in zip(names, moved, strict=True) if moves]
 
@@ -252,7 +254,7 @@ class RigidMotions:
         scale = np.abs(motion).max(initial=0.0) or 1.0
         words = []
         shares = (self._body @ motion).reshape(parts.count, len(self._names))
-        for name, of_part in zip(parts.names, np.abs(shares) > _TAKES_PART * scale, strict=True):
+        for name, of_part in zip(parts.names, np.abs(shares) > _NAMED * scale, strict=True):
             for kind in ("translation along", "rotation about"):
                 named = zip(self._names, of_part, strict=True)
                 axes = [AXES[axis] for (k, axis), moves in named if k == kind and moves]
@@ -260,7 +262,7 @@ class RigidMotions:
                     whose = f" of '{name}'" if parts.count > 1 else ""
                     words.append(f"{kind} {' and '.join(axes)}{whose}")
         for contact, share in zip(self.floating, self.indentations(motion), strict=True):
-            if abs(share) > _TAKES_PART * scale:
+            if abs(share) > _NAMED * scale:
                 words.append(f"the obstacle at '{contact.label}'")
         return ", ".join(words)
 

@@ -7,16 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix, identity
 
-from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.common.parallel import gather_rows, largest, total
-from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.problem.existence.rigid_slip import allowance, motions_along
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.parallel import gather_rows
+from fenics_contact.problem.existence.smooth_closing import smooth_closing
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions, reduced
 
-# Of the slip of a motion: what is less across a surface is round-off.
-_FLAT = 1e-12
-# Of the jumps of all motions: what is round-off once that is taken off.
+# Of the closing of all motions: what is less is round-off.
 _ROUND_OFF = 1e-9
 
 
@@ -120,7 +117,7 @@ def contact_cones(problem: Problem, rigid: RigidMotions) -> ContactCones:
             jumps - closing[:, None, :] * trace.normals[:, :, None]
         )
         acts = trace.owned & contact.normal.can_press()
-        closing = _smooth(contact, closing, jumps, acts)
+        closing = smooth_closing(contact, closing, jumps, acts)
         flat = slips.reshape(len(slips), components * count)
         rows.append(np.column_stack([coefficients, numbers, places, closing, flat])[acts])
     table = gather_rows(problem.comm, np.concatenate(rows))
@@ -136,35 +133,6 @@ def contact_cones(problem: Problem, rigid: RigidMotions) -> ContactCones:
         bounded_slips=known[:, 1:].reshape(-1, components, count),
         average=_average(table[:, 1:3].astype(np.int64), averages) if averages else None,
     )
-
-
-def _smooth(contact: ContactSurface, closing: Array, jumps: Array, acts: Flags) -> Array:
-    """Normal jumps without those that facets make of motions along a curved surface; collective.
-
-    A shaft turns in a hub of facets as in a round one: its facets do not hold it.
-
-    Args:
-        contact: The contact.
-        closing: Normal jumps, (points, motions).
-        jumps: Of the motions, (points, components, motions).
-        acts: Which points count.
-    """
-    comm, weights = contact.spaces.comm, contact.trace.weights[acts]
-    every = np.einsum("q,qci,qcj->ij", weights, jumps[acts], jumps[acts])
-    normal = np.einsum("q,qi,qj->ij", weights, closing[acts], closing[acts])
-    every, across = total(comm, np.stack([every, normal]))
-    allowed = allowance(contact.kinematics.facet_turn) ** 2 * (every - across)
-    along, shares = motions_along(across, allowed)
-    left = largest(comm, np.abs(closing[acts] @ along).ravel())
-    size = largest(comm, np.abs(jumps[acts] @ along).ravel())
-    if left <= _FLAT * size:  # of flat surfaces there is nothing but round-off to take off
-        return closing
-    smooth = closing - (closing @ along) @ shares
-    small = _ROUND_OFF * largest(comm, np.abs(jumps[acts]).ravel())
-    # A motion is taken off as a whole: of single numbers, sums would no longer vanish.
-    sizes = [largest(comm, np.abs(column)) for column in smooth[acts].T]
-    smooth[:, np.array(sizes) <= small] = 0.0
-    return smooth
 
 
 def _average(points: Integers, averages: dict[int, csr_matrix]) -> csr_matrix:

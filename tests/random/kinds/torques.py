@@ -25,6 +25,7 @@ FITS = (
     Elements("plane stress", "quadrilateral", 2, order=2),
     Elements("plane strain", "triangle", 2, order=2),
     Elements("3D", "hexahedron", 2, order=2),
+    Elements("3D", "tetrahedron", 2, order=2),
 )
 BLOCK = Elements("3D", "hexahedron", 1)
 SHARES = (0.9, 0.95, 0.98, 1.02, 1.05, 1.1)

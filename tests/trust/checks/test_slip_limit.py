@@ -300,3 +300,17 @@ def test_a_shaft_turns_about_its_axis_wherever_its_centre_of_mass_lies(geometry)
     assert resisted[turns] == ["friction at 'shaft.hole'"]
     with pytest.raises(NoEquilibriumError, match=turns):
         Run(with_hole_aside(braked(geometry, 1.05)), COMM)
+
+
+def test_uneven_facets_do_not_hold_a_smooth_shaft(geometry):
+    """Normals averaged over facets of unlike length are off; the shaft may turn all the same."""
+    uneven = geometry.replace("ring.geo", "uneven.geo")
+    steps = "Transfinite Curve{1:8} = cells / 4 + 1"
+    text = RING.replace(steps, f"{steps} Using Progression 1.15")
+    on_root(COMM, lambda: Path(uneven).write_text(text))
+    scene = braked(uneven, 0.0, pads=False)
+    mesh = tuple(dataclasses.replace(source, order=1) for source in scene.mesh)
+    with pytest.raises(
+        NoEquilibriumError, match="rotation about z of 'shaft'\\); its size is left"
+    ):
+        Run(dataclasses.replace(scene, mesh=mesh, load=()), COMM)
