@@ -38,7 +38,7 @@ def _tiny(name, wanted):
     else:
         raise AssertionError(f"no {name} with forms that are compiled")
     parts = tuple(
-        dataclasses.replace(part, cells=_fewer(part.cells, 12 if part.name in random.closed else 4))
+        dataclasses.replace(part, cells=_fewer(part.cells, 24 if part.name in random.closed else 4))
         for part in random.parts
     )
     scene = dataclasses.replace(scene, solver=SolverSettings(errors="none"))

@@ -8,7 +8,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
-from fenics_contact.contact.mortar.ray_projection import near_lines
+from fenics_contact.contact.mortar.ray_projection import entries_behind, near_lines
 
 # Corners of the straight pieces of a facet, in turn, among its geometry nodes. Curved segments
 # need none: their ends are projected onto the true facet.
@@ -81,7 +81,7 @@ def pieces(mesh: FacetMesh) -> Pieces:
 
 
 def facing_pairs(
-    slave: Pieces, directions: Array, spreads: Array, master: Pieces, master_normals: Array
+    slave: Pieces, directions: Array, spreads: Array, surface: FacetMesh, master: Pieces
 ) -> tuple[AnyIntegers, AnyIntegers]:
     """Pairs (slave piece, master piece) that may face each other, of several layers the nearest.
 
@@ -89,8 +89,8 @@ def facing_pairs(
         slave: Pieces from whose centres the rays begin.
         directions: Mean normals there, (slave pieces, dimension).
         spreads: How much the mean normal differs within each piece, (slave pieces,).
-        master: The other surface's pieces.
-        master_normals: Outward normals at their centres, (master pieces, dimension).
+        surface: The other surface.
+        master: Its pieces.
     """
     found = near_lines(
         slave.centres, directions, slave.radii, spreads, master.centres, master.radii
@@ -98,11 +98,21 @@ def facing_pairs(
     tables = list(found)
     first = np.concatenate([table[0] for table in tables])
     second = np.concatenate([table[1] for table in tables])
-    opposed = np.einsum("pd,pd->p", directions[first], master_normals[second]) < 0
+    outward = surface.area_normals(master.facets, master.reference)
+    opposed = np.einsum("pd,pd->p", directions[first], outward[second]) < 0
     first, second = first[opposed], second[opposed]
     reach = master.centres[second] - slave.centres[first]
-    distance = np.abs(np.einsum("pd,pd->p", reach, directions[first]))
+    along = np.einsum("pd,pd->p", reach, directions[first])
+    size = 2 * (slave.radii[first] + master.radii[second])
+    far_behind = along < -size
+    if far_behind.any():
+        lines = np.unique(first[far_behind])
+        reaches = np.full(len(slave.centres), np.inf)
+        reaches[lines] = entries_behind(surface, slave.centres[lines], directions[lines])
+        kept = ~far_behind | (-along < reaches[first])
+        first, second, along, size = first[kept], second[kept], along[kept], size[kept]
+    distance = np.abs(along)
     least = np.full(len(slave.centres), np.inf)
     np.minimum.at(least, first, distance)
-    near = distance <= least[first] + 2 * (slave.radii[first] + master.radii[second])
+    near = distance <= least[first] + size
     return first[near], second[near]

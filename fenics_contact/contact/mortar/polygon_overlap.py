@@ -115,8 +115,7 @@ def _common(planes: _Planes, master: FacetMesh, theirs: Pieces) -> _Triangles:
     """What pieces of the slave and of the master have in common, seen along the mean normal."""
     ours = planes.pieces
     none = np.zeros(len(ours.facets))
-    outward = master.area_normals(theirs.facets, theirs.reference)
-    first, second = facing_pairs(ours, planes.normals, none, theirs, outward)
+    first, second = facing_pairs(ours, planes.normals, none, master, theirs)
     seen = (theirs.corners[second] - ours.centres[first, None]) @ planes.axes[first]
     common = clipping.clip(planes.polygons[first], clipping.counter_clockwise(seen))
     kept = clipping.areas(common) > LEAST_SHARE * planes.areas[first]

@@ -42,25 +42,20 @@ class Hits:
 def hits(master: FacetMesh, points: Array, directions: Array) -> Hits:
     """The nearest facets, before or behind, whose outward normals oppose the lines.
 
-    Between facets at the same distance (at a common edge) the first one counts.
+    Behind a point that lies in the master, a line first leaves the master. Where it first enters
+    the master, the point lies outside, and nothing farther behind is an overlap: so a roller does
+    not overlap with the far side of the ring on which it stands. Between facets at the same
+    distance (at a common edge) the first one counts.
 
     Args:
         master: The surface to be hit.
         points: Where lines begin, (points, dimension) (length).
         directions: Unit vectors along them, (points, dimension).
     """
-    none = np.zeros(len(points))
-    tables = list(near_lines(points, directions, none, none, master.centres, master.radii))
-    line = np.concatenate([table[0] for table in tables])
-    facet = np.concatenate([table[1] for table in tables])
-    reference, met = meet(master, facet, points[line], directions[line])
-    inside = met & _is_inside(master.shape, reference)
-    line, facet, reference = line[inside], facet[inside], reference[inside]
-    normals = normalised(master.area_normals(facet, reference))
-    opposed = np.einsum("pd,pd->p", normals, directions[line]) < -_GRAZING
-    line, facet, reference = line[opposed], facet[opposed], reference[opposed]
-    reach = master.positions(facet, reference) - points[line]
-    distance = np.einsum("pd,pd->p", reach, directions[line])
+    line, facet, reference, distance, opposed = _crossings(master, points, directions)
+    counts = opposed & (distance > -_entries(len(points), line, distance, opposed)[line])
+    line, facet, reference = line[counts], facet[counts], reference[counts]
+    distance = distance[counts]
 
     least = np.full(len(points), np.inf)
     np.minimum.at(least, line, np.abs(distance))
@@ -76,6 +71,47 @@ def hits(master: FacetMesh, points: Array, directions: Array) -> Hits:
     found.reference[chosen] = reference[first]
     found.distance[chosen] = distance[first]
     return found
+
+
+def entries_behind(master: FacetMesh, points: Array, directions: Array) -> Array:
+    """How far behind points lines first enter a surface's body, (points,) (length).
+
+    Infinite where they do not. A point that has left the body before is not told from another.
+
+    Args:
+        master: The body's surface.
+        points: Where lines begin, (points, dimension) (length).
+        directions: Unit vectors along them, (points, dimension).
+    """
+    line, _, _, distance, opposed = _crossings(master, points, directions)
+    return _entries(len(points), line, distance, opposed)
+
+
+def _entries(count: int, line: AnyIntegers, distance: Array, opposed: Flags) -> Array:
+    found = np.full(count, np.inf)
+    enters = ~opposed & (distance < 0)
+    np.minimum.at(found, line[enters], -distance[enters])
+    return found
+
+
+def _crossings(
+    master: FacetMesh, points: Array, directions: Array
+) -> tuple[AnyIntegers, AnyIntegers, Array, Array, Flags]:
+    """All crossings of lines with facets: line, facet, place, distance; which normals oppose."""
+    none = np.zeros(len(points))
+    tables = list(near_lines(points, directions, none, none, master.centres, master.radii))
+    line = np.concatenate([table[0] for table in tables])
+    facet = np.concatenate([table[1] for table in tables])
+    reference, met = meet(master, facet, points[line], directions[line])
+    inside = met & _is_inside(master.shape, reference)
+    line, facet, reference = line[inside], facet[inside], reference[inside]
+    normals = normalised(master.area_normals(facet, reference))
+    cosines = np.einsum("pd,pd->p", normals, directions[line])
+    cuts = np.abs(cosines) > _GRAZING
+    line, facet, reference, cosines = line[cuts], facet[cuts], reference[cuts], cosines[cuts]
+    reach = master.positions(facet, reference) - points[line]
+    distance = np.einsum("pd,pd->p", reach, directions[line])
+    return line, facet, reference, distance, cosines < 0
 
 
 def face(slave_points: Array, slave_normals: Array, master: FacetMesh) -> tuple[Array, Hits]:

@@ -56,11 +56,7 @@ def _common(
     directions = normalised(slave.interpolate(mean_normals, ours.facets, ours.reference))
     spreads = np.linalg.norm(mean_normals[slave.nodes] - directions[:, None], axis=2)
     facets, opposite = facing_pairs(
-        ours,
-        directions,
-        spreads.max(axis=1, initial=0),
-        theirs,
-        master.area_normals(theirs.facets, theirs.reference),
+        ours, directions, spreads.max(axis=1, initial=0), master, theirs
     )
     ends = [
         _ray_origins(slave, facets, mean_normals, theirs.corners[opposite, end]) for end in range(2)
