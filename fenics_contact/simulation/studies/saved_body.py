@@ -31,7 +31,7 @@ from fenics_contact.simulation.restart.node_keys import NodalKeys
 from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
 from fenics_contact.simulation.studies.saved_rows import give_rows, tables
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.condensed.contact_dofs import ContactDofs
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 
 _FORMAT = 2
 _DAMAGED = "is damaged, or no file that a study has saved"

@@ -24,12 +24,12 @@ from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
-from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.present_loads import LoadsOfBody
 from fenics_contact.solve.condensed.rows.body_rows import BodyRows
 from fenics_contact.solve.condensed.rows.row import Functional, RowMaker
 from fenics_contact.solve.condensed.unknowns import ContactVariables
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 
 # Columns of half-spaces that are kept: an obstacle that moves along the surface makes others.
 _MOST_FAR = 8

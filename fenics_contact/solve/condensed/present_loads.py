@@ -13,8 +13,8 @@ from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.preload_border import CondensedPreloads
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 
 _MOST = 8
 # Every so many rows of arrays are compared first.

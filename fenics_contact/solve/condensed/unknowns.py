@@ -21,7 +21,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.contact.mortar.projection import NodalProjection, Projection
-from fenics_contact.solve.condensed.contact_dofs import ContactDofs
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 
 

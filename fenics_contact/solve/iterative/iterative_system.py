@@ -198,8 +198,8 @@ class IterativeSystem(BodySystem):
         preconditioner.setType("python")
         preconditioner.setPythonContext(self.preconditioner)
 
-    def linearise(self, state: PETSc.Vec) -> None:
-        """K_c of a state; collective."""
+    def linearise(self, state: PETSc.Vec, shortens: bool = False) -> None:
+        """K_c of a state; collective. Bodies that nothing holds have their own way here."""
         self.take(state)
         self.linearise_contacts()
 

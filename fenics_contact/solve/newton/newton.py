@@ -291,7 +291,7 @@ class Newton:
         self, snes: PETSc.SNES, state: PETSc.Vec, tangent: PETSc.Mat, preconditioner: PETSc.Mat
     ) -> None:
         with self.timings.phase("assemble"):
-            self.system.linearise(state)
+            self.system.linearise(state, shortens=True)
 
     def forget(self) -> None:
         """Count steps and note imbalances anew, for another load step."""

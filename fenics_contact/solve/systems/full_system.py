@@ -6,17 +6,21 @@ the contacts' terms to a copy of it, and factorises that.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
 
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.body_answer import FindBody
 from fenics_contact.solve.systems.bulk_matrix import LinearSystem
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.displacement_system import BodySystem
+from fenics_contact.solve.systems.step_springs import SHARE, free_motions, sprung
 
 
 class FullSystem(BodySystem):
@@ -48,7 +52,7 @@ class FullSystem(BodySystem):
     def prepare(self, snes: PETSc.SNES) -> None:
         """Nothing: the options say it all."""
 
-    def linearise(self, state: PETSc.Vec) -> None:
+    def linearise(self, state: PETSc.Vec, shortens: bool = False) -> None:
         """Add the contacts' tangents to a copy of K; collective."""
         self.take(state)
         tangent = self.tangent
@@ -57,6 +61,10 @@ class FullSystem(BodySystem):
             contact.follow()
         self._system.add_contacts(tangent)
         self._system.add_far_field(tangent)
+        if shortens:
+            rows, springs = self._step_springs
+            for row, spring in zip(rows, springs, strict=True):
+                tangent.setValue(row, row, spring, addv=PETSc.InsertMode.ADD_VALUES)
         tangent.assemble()
         first, _ = tangent.getOwnershipRange()
         rows = (first + self.held).astype(PETSc.IntType)
@@ -64,6 +72,22 @@ class FullSystem(BodySystem):
         tangent.zeroRowsColumns(rows, diag=1.0)
         self._system.tie_far_field(tangent)
         self.factorisations += 1
+
+    @cached_property
+    def _step_springs(self) -> tuple[Integers, Array]:
+        """Rows of this rank that have a spring in steps, and its stiffness; collective."""
+        problem = self.problem
+        dofs = ContactDofs(
+            problem.spaces, problem.constrained, [contact.sides for contact in problem.contacts]
+        )
+        motions = [dofs.gathered(one.reshape(-1))[dofs.is_free] for one in free_motions(problem)]
+        places = dofs.free[sprung(np.array(motions).T)]
+        index_map = problem.spaces.displacement_space.dofmap.index_map
+        own = places - index_map.local_range[0] * problem.spaces.components
+        own = own[(own >= 0) & (own < self._owned_size)]
+        first, _ = self.tangent.getOwnershipRange()
+        stiffness = self._system.stiffness.getDiagonal().array_r[own]
+        return (first + own).astype(PETSc.IntType), SHARE * stiffness
 
     def round_off(self) -> float:
         """20 × machine epsilon × ‖|J| |u|‖₁; collective."""

@@ -97,8 +97,13 @@ class System(ABC):
         """The force imbalance of a state; collective."""
 
     @abstractmethod
-    def linearise(self, state: PETSc.Vec) -> None:
-        """Set the tangent to that of a state; collective."""
+    def linearise(self, state: PETSc.Vec, shortens: bool = False) -> None:
+        """Set the tangent to that of a state; collective.
+
+        Args:
+            state: The unknowns.
+            shortens: Whether ``step_springs`` are added, where a step is to be found with it.
+        """
 
     @abstractmethod
     def imbalance(self) -> float:

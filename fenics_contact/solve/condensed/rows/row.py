@@ -22,7 +22,7 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
-from fenics_contact.solve.condensed.contact_dofs import ContactDofs
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 
 
 @dataclass(frozen=True, eq=False)
