@@ -33,7 +33,7 @@ from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.body_answer import BodyAnswer, FindBody, FoundWhenAsked
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import Entries
-from fenics_contact.solve.systems.step_springs import SHARE, free_motions, sprung
+from fenics_contact.solve.systems.step_springs import free_motions, sprung
 from fenics_contact.solve.systems.system import System
 
 # Contact dofs from which the passes of a loop on the pressure cost more than the factorisation.
@@ -314,7 +314,7 @@ class CondensedSystem(System):
         parts = gathered_on_root(self.comm, force[: surface.owned_nodes].reshape(-1))
         return np.zeros(0) if parts is None else np.concatenate(parts)
 
-    def linearise(self, state: PETSc.Vec, shortens: bool = False) -> None:
+    def linearise(self, state: PETSc.Vec, springs: float = 0.0) -> None:
         """W = Σ Lᵀ K_c B; collective."""
         same = self._balanced is not None and np.array_equal(state.array_r, self._balanced)
         if not self.comm.allreduce(same, op=MPI.LAND):
@@ -328,9 +328,9 @@ class CondensedSystem(System):
         if self._dense is not None:
             held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
             self._dense.border.hold(held)
-            if shortens:
-                springs = SHARE * self._dense.constant.schur.diagonal()[self._sprung]
-                found.append((self._sprung, self._sprung, springs))
+            if springs:
+                stiffness = self._dense.constant.schur.diagonal()[self._sprung]
+                found.append((self._sprung, self._sprung, springs * stiffness))
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
     def change(self, condensed: Array, along: Array) -> tuple[Array, Array]:

@@ -198,7 +198,7 @@ class IterativeSystem(BodySystem):
         preconditioner.setType("python")
         preconditioner.setPythonContext(self.preconditioner)
 
-    def linearise(self, state: PETSc.Vec, shortens: bool = False) -> None:
+    def linearise(self, state: PETSc.Vec, springs: float = 0.0) -> None:
         """K_c of a state; collective. Bodies that nothing holds have their own way here."""
         self.take(state)
         self.linearise_contacts()

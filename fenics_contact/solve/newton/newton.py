@@ -41,6 +41,7 @@ from fenics_contact.solve.newton.searches import (
 )
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.solution_of_state import solution_of
+from fenics_contact.solve.newton.spring_control import SpringControl
 from fenics_contact.solve.newton.status_cycling import Chatter
 from fenics_contact.solve.systems import mumps
 from fenics_contact.solve.systems.system import System
@@ -83,6 +84,7 @@ class Newton:
         self._hopeless: Callable[[int], int] | None = None
         self._chatter = Chatter(problem.contacts, problem.comm)
         self._damping = Damping()
+        self._springs = SpringControl()
         self.stopped: Callable[[], bool] = lambda: False
         self._is_stopped = False
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
@@ -178,6 +180,7 @@ class Newton:
         self._before = len(self.imbalances)
         self.limit = 0.0
         self._chatter.clear()
+        self._springs = SpringControl()
         # A body that runs away overflows here and there: the force imbalance tells.
         with self.timings.phase("solve"), np.errstate(over="ignore", invalid="ignore"):
             log = FactorisationLog()
@@ -291,7 +294,8 @@ class Newton:
         self, snes: PETSc.SNES, state: PETSc.Vec, tangent: PETSc.Mat, preconditioner: PETSc.Mat
     ) -> None:
         with self.timings.phase("assemble"):
-            self.system.linearise(state, shortens=True)
+            own = self.imbalances[self._before :]
+            self.system.linearise(state, self._springs.share(own))
 
     def forget(self) -> None:
         """Count steps and note imbalances anew, for another load step."""

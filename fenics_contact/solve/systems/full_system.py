@@ -20,7 +20,7 @@ from fenics_contact.solve.systems.body_answer import FindBody
 from fenics_contact.solve.systems.bulk_matrix import LinearSystem
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.displacement_system import BodySystem
-from fenics_contact.solve.systems.step_springs import SHARE, free_motions, sprung
+from fenics_contact.solve.systems.step_springs import free_motions, sprung
 
 
 class FullSystem(BodySystem):
@@ -52,7 +52,7 @@ class FullSystem(BodySystem):
     def prepare(self, snes: PETSc.SNES) -> None:
         """Nothing: the options say it all."""
 
-    def linearise(self, state: PETSc.Vec, shortens: bool = False) -> None:
+    def linearise(self, state: PETSc.Vec, springs: float = 0.0) -> None:
         """Add the contacts' tangents to a copy of K; collective."""
         self.take(state)
         tangent = self.tangent
@@ -61,10 +61,9 @@ class FullSystem(BodySystem):
             contact.follow()
         self._system.add_contacts(tangent)
         self._system.add_far_field(tangent)
-        if shortens:
-            rows, springs = self._step_springs
-            for row, spring in zip(rows, springs, strict=True):
-                tangent.setValue(row, row, spring, addv=PETSc.InsertMode.ADD_VALUES)
+        if springs:
+            for row, stiffness in zip(*self._sprung, strict=True):
+                tangent.setValue(row, row, springs * stiffness, addv=PETSc.InsertMode.ADD_VALUES)
         tangent.assemble()
         first, _ = tangent.getOwnershipRange()
         rows = (first + self.held).astype(PETSc.IntType)
@@ -74,8 +73,8 @@ class FullSystem(BodySystem):
         self.factorisations += 1
 
     @cached_property
-    def _step_springs(self) -> tuple[Integers, Array]:
-        """Rows of this rank that have a spring in steps, and its stiffness; collective."""
+    def _sprung(self) -> tuple[Integers, Array]:
+        """Rows of this rank that have a spring in steps, and the stiffness there; collective."""
         problem = self.problem
         dofs = ContactDofs(
             problem.spaces, problem.constrained, [contact.sides for contact in problem.contacts]
@@ -87,7 +86,7 @@ class FullSystem(BodySystem):
         own = own[(own >= 0) & (own < self._owned_size)]
         first, _ = self.tangent.getOwnershipRange()
         stiffness = self._system.stiffness.getDiagonal().array_r[own]
-        return (first + own).astype(PETSc.IntType), SHARE * stiffness
+        return (first + own).astype(PETSc.IntType), stiffness
 
     def round_off(self) -> float:
         """20 × machine epsilon × ‖|J| |u|‖₁; collective."""

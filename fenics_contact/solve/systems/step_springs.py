@@ -16,9 +16,6 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
 
-# Stiffness of a spring over that of the body at its dof. Rings of 4 to 20 rollers took the fewest
-# steps with it: ten times less let them run far, ten times more brought them back slowly.
-SHARE = 1e-4
 # Of the largest row of motions, below which a row tells of no further motion.
 _TELLS = 1e-6
 

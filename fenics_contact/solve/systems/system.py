@@ -97,12 +97,12 @@ class System(ABC):
         """The force imbalance of a state; collective."""
 
     @abstractmethod
-    def linearise(self, state: PETSc.Vec, shortens: bool = False) -> None:
+    def linearise(self, state: PETSc.Vec, springs: float = 0.0) -> None:
         """Set the tangent to that of a state; collective.
 
         Args:
             state: The unknowns.
-            shortens: Whether ``step_springs`` are added, where a step is to be found with it.
+            springs: Stiffness of ``step_springs``, over that of the body at their dofs.
         """
 
     @abstractmethod

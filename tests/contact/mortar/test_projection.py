@@ -11,8 +11,8 @@ from fenics_contact import Contact, Discretisation, Material, Scene, Support
 from fenics_contact.contact.mortar.integrals import MortarIntegrals, integrate
 from fenics_contact.contact.mortar.projection import NodalProjection, Projection
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.unknowns import ContactVariables
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.verification.boxes import Box, boxes
 from tests.contact.mortar.facet_meshes import flat, node_places

@@ -10,8 +10,8 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Group, Material, Obstacle, Scene, Steps, Support
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.unknowns import ContactVariables
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.verification.boxes import Box, boxes
 from tests.solve.condensed.stiff_and_soft import Split

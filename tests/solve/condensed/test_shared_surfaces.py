@@ -16,8 +16,8 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.condensed.unknowns import ContactVariables
+from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.verification.boxes import Box, boxes
 from tests.solve.same_answer import require_same

@@ -1,0 +1,39 @@
+"""How stiff the springs are that keep steps of Newton's method short.
+
+They start stiff enough for bodies of which contact holds hardly anything. Where steps bring little,
+as where a small stiffness resists a motion that springs hold back, they are made softer, and where
+the imbalance grows they are made stiffer (D. W. Marquardt, SIAM J. Appl. Math. 11 (1963) 431-441).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+# Stiffness over that of the body at the same dof. Rings of 4 to 20 rollers took the fewest steps
+# with the first; the softest hardly counts, and bodies are moved by the stiffest as by another.
+_FIRST, _SOFTEST, _STIFFEST = 1e-3, 1e-9, 1e-2
+_FACTOR = 10.0
+# Of an imbalance over the one before: more than grows, and less than is brought down.
+_GROWS, _FALLS = 3.0, 0.3
+
+
+class SpringControl:
+    """The springs of one solve."""
+
+    def __init__(self) -> None:
+        self._share = _FIRST
+
+    def share(self, imbalances: Sequence[float]) -> float:
+        """Stiffness of the springs in the step that comes now, over that of the body.
+
+        Args:
+            imbalances: Before every step of the solve so far, the present one last (force).
+        """
+        if len(imbalances) < 2:
+            return self._share
+        before, present = imbalances[-2:]
+        if present > _GROWS * before:
+            self._share = min(self._share * _FACTOR, _STIFFEST)
+        elif present > _FALLS * before:
+            self._share = max(self._share / _FACTOR, _SOFTEST)
+        return self._share
