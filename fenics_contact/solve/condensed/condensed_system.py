@@ -104,6 +104,7 @@ class CondensedSystem(System):
             for motion in free_motions(self.problem)
         ]
         self._sprung = sprung(np.array(motions).T)
+        self.is_sprung = bool(self._sprung.size)
 
     def pair_anew(self) -> None:
         """Take what faces what anew, without another factorisation of the bulk; collective."""

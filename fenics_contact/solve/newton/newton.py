@@ -116,7 +116,9 @@ class Newton:
             NotConvergedError: In words, with the history of the force imbalance.
         """
         self._hopeless = hopeless
-        self._tolerance = tolerance or self.problem.scene.solver.tolerance
+        exactly = self.problem.scene.solver.tolerance
+        # Under springs the last step of a rough solve is not as exact as one of Newton's method.
+        self._tolerance = exactly if tolerance is None or self.system.is_sprung else tolerance
         self._searches = self._one_sided if search_energy is None else search_energy
         self._search = ENERGY_SEARCH
         self.softened = False
@@ -295,7 +297,7 @@ class Newton:
     ) -> None:
         with self.timings.phase("assemble"):
             own = self.imbalances[self._before :]
-            self.system.linearise(state, self._springs.share(own))
+            self.system.linearise(state, self._springs.share(own, self.system.forces))
 
     def forget(self) -> None:
         """Count steps and note imbalances anew, for another load step."""

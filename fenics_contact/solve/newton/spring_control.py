@@ -3,6 +3,7 @@
 They start stiff enough for bodies of which contact holds hardly anything. Where steps bring little,
 as where a small stiffness resists a motion that springs hold back, they are made softer, and where
 the imbalance grows they are made stiffer (D. W. Marquardt, SIAM J. Appl. Math. 11 (1963) 431-441).
+Near the answer they follow the imbalance, so that the last steps are those of Newton's method.
 """
 
 from __future__ import annotations
@@ -23,17 +24,17 @@ class SpringControl:
     def __init__(self) -> None:
         self._share = _FIRST
 
-    def share(self, imbalances: Sequence[float]) -> float:
+    def share(self, imbalances: Sequence[float], forces: float) -> float:
         """Stiffness of the springs in the step that comes now, over that of the body.
 
         Args:
             imbalances: Before every step of the solve so far, the present one last (force).
+            forces: What an imbalance is small against (force).
         """
-        if len(imbalances) < 2:
-            return self._share
-        before, present = imbalances[-2:]
-        if present > _GROWS * before:
+        *earlier, present = imbalances
+        if earlier and present > _GROWS * earlier[-1]:
             self._share = min(self._share * _FACTOR, _STIFFEST)
-        elif present > _FALLS * before:
+        elif earlier and present > _FALLS * earlier[-1]:
             self._share = max(self._share / _FACTOR, _SOFTEST)
-        return self._share
+        near = present / forces if forces > 0 else 1.0
+        return max(self._share * min(near, 1.0), _SOFTEST)

@@ -42,6 +42,7 @@ class FullSystem(BodySystem):
         self.state, self.residual = self.tangent.createVecs()
         self._work = self.state.duplicate()
         self.factorisations = 0
+        self.is_sprung = bool(free_motions(problem))
 
     def destroy(self) -> None:
         """Free PETSc's objects."""

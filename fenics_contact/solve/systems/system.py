@@ -35,6 +35,7 @@ class System(ABC):
         scale_tolerance: Imbalance over the forces from which the ε of a contact that carries
             most of the forces is known well enough; None where further steps cost little.
         factorisations: How often a matrix of the bulk was factorised.
+        is_sprung: Whether ``step_springs`` act in steps of Newton's method.
         earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
         along_parts: Forces along preloaded parts at the last residual, on every rank (force).
     """
@@ -44,6 +45,7 @@ class System(ABC):
     first_way: str = "campos"
     repeats_cheaply: ClassVar[bool] = False
     scale_tolerance: ClassVar[float | None] = None
+    is_sprung: bool = False
     state: PETSc.Vec
     residual: PETSc.Vec
     tangent: PETSc.Mat
