@@ -3,7 +3,7 @@
 They start stiff enough for bodies of which contact holds hardly anything. Where steps bring little,
 as where a small stiffness resists a motion that springs hold back, they are made softer, and where
 the imbalance grows they are made stiffer (D. W. Marquardt, SIAM J. Appl. Math. 11 (1963) 431-441).
-Near the answer they follow the imbalance, so that the last steps are those of Newton's method.
+Near the answer they vanish with the imbalance, so that the last steps are those of Newton's method.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ _FIRST, _SOFTEST, _STIFFEST = 1e-3, 1e-9, 1e-2
 _FACTOR = 10.0
 # Of an imbalance over the one before: more than grows, and less than is brought down.
 _GROWS, _FALLS = 3.0, 0.3
+# Imbalance over the forces from which the answer is near: no point changes any more.
+_NEAR = 1e-3
 
 
 class SpringControl:
@@ -36,5 +38,5 @@ class SpringControl:
             self._share = min(self._share * _FACTOR, _STIFFEST)
         elif earlier and present > _FALLS * earlier[-1]:
             self._share = max(self._share / _FACTOR, _SOFTEST)
-        near = present / forces if forces > 0 else 1.0
+        near = present / (_NEAR * forces) if forces > 0 else 1.0
         return max(self._share * min(near, 1.0), _SOFTEST)
