@@ -1,4 +1,4 @@
-"""Springs in steps of Newton's method: where they act, how stiff they are, and that none is left."""
+"""Springs in steps of Newton's method: where they act, how stiff they are, that none is left."""
 
 import numpy as np
 import pytest
