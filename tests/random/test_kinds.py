@@ -37,6 +37,7 @@ def _tiny(name, wanted):
             break
     else:
         raise AssertionError(f"no {name} with forms that are compiled")
+    # Straight cells of a ring or roller leave gaps, which its interference closes from 14 cells on.
     parts = tuple(
         dataclasses.replace(part, cells=_fewer(part.cells, 24 if part.name in random.closed else 4))
         for part in random.parts

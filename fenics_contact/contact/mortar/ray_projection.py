@@ -39,6 +39,36 @@ class Hits:
     distance: Array
 
 
+@dataclass(frozen=True, eq=False)
+class _Crossings:
+    """Where lines cross facets of a surface, in any direction.
+
+    Attributes:
+        line: The line of each crossing, (crossings,).
+        facet: The facet, (crossings,).
+        reference: Place on it, (crossings, dimension − 1).
+        distance: Along the line, negative behind its beginning, (crossings,) (length).
+        opposed: Whether the facet's outward normal opposes the line, (crossings,).
+    """
+
+    line: AnyIntegers
+    facet: AnyIntegers
+    reference: Array
+    distance: Array
+    opposed: Flags
+
+    def entries_behind(self, master: FacetMesh, lines: int) -> Array:
+        """Of each of so many lines, as ``entries_behind`` of the module, (lines,) (length).
+
+        A line that begins on a facet does not enter there.
+        """
+        found = np.full(lines, np.inf)
+        behind = self.distance < -_SAME_DISTANCE * master.radii[self.facet]
+        enters = ~self.opposed & behind
+        np.minimum.at(found, self.line[enters], -self.distance[enters])
+        return found
+
+
 def hits(master: FacetMesh, points: Array, directions: Array) -> Hits:
     """The nearest facets, before or behind, whose outward normals oppose the lines.
 
@@ -52,52 +82,44 @@ def hits(master: FacetMesh, points: Array, directions: Array) -> Hits:
         points: Where lines begin, (points, dimension) (length).
         directions: Unit vectors along them, (points, dimension).
     """
-    line, facet, reference, distance, opposed = _crossings(master, points, directions)
-    counts = opposed & (distance > -_entries(len(points), line, distance, opposed)[line])
-    line, facet, reference = line[counts], facet[counts], reference[counts]
-    distance = distance[counts]
+    found = _crossings(master, points, directions)
+    counts = found.opposed & (
+        found.distance > -found.entries_behind(master, len(points))[found.line]
+    )
+    line, facet, reference = found.line[counts], found.facet[counts], found.reference[counts]
+    distance = found.distance[counts]
 
     least = np.full(len(points), np.inf)
     np.minimum.at(least, line, np.abs(distance))
     nearest = np.abs(distance) <= least[line] + _SAME_DISTANCE * master.radii[facet]
     chosen, first = np.unique(line[nearest], return_index=True)
     first = np.flatnonzero(nearest)[first]
-    found = Hits(
+    hit = Hits(
         np.full(len(points), -1),
         np.zeros((len(points), master.dimension - 1)),
         np.full(len(points), np.inf),
     )
-    found.facet[chosen] = facet[first]
-    found.reference[chosen] = reference[first]
-    found.distance[chosen] = distance[first]
-    return found
+    hit.facet[chosen] = facet[first]
+    hit.reference[chosen] = reference[first]
+    hit.distance[chosen] = distance[first]
+    return hit
 
 
 def entries_behind(master: FacetMesh, points: Array, directions: Array) -> Array:
-    """How far behind points lines first enter a surface's body, (points,) (length).
+    """How far behind points lines first enter the body of a surface, (points,) (length).
 
-    Infinite where they do not. A point that has left the body before is not told from another.
+    Infinite where they do not. That a line leaves the body before is not asked.
 
     Args:
         master: The body's surface.
         points: Where lines begin, (points, dimension) (length).
         directions: Unit vectors along them, (points, dimension).
     """
-    line, _, _, distance, opposed = _crossings(master, points, directions)
-    return _entries(len(points), line, distance, opposed)
+    return _crossings(master, points, directions).entries_behind(master, len(points))
 
 
-def _entries(count: int, line: AnyIntegers, distance: Array, opposed: Flags) -> Array:
-    found = np.full(count, np.inf)
-    enters = ~opposed & (distance < 0)
-    np.minimum.at(found, line[enters], -distance[enters])
-    return found
-
-
-def _crossings(
-    master: FacetMesh, points: Array, directions: Array
-) -> tuple[AnyIntegers, AnyIntegers, Array, Array, Flags]:
-    """All crossings of lines with facets: line, facet, place, distance; which normals oppose."""
+def _crossings(master: FacetMesh, points: Array, directions: Array) -> _Crossings:
+    """All crossings of lines with the facets of a surface."""
     none = np.zeros(len(points))
     tables = list(near_lines(points, directions, none, none, master.centres, master.radii))
     line = np.concatenate([table[0] for table in tables])
@@ -111,7 +133,7 @@ def _crossings(
     line, facet, reference, cosines = line[cuts], facet[cuts], reference[cuts], cosines[cuts]
     reach = master.positions(facet, reference) - points[line]
     distance = np.einsum("pd,pd->p", reach, directions[line])
-    return line, facet, reference, distance, cosines < 0
+    return _Crossings(line, facet, reference, distance, cosines < 0)
 
 
 def face(slave_points: Array, slave_normals: Array, master: FacetMesh) -> tuple[Array, Hits]:

@@ -1,4 +1,4 @@
-"""A folder that one run or sweep at a time writes to."""
+"""A folder that one run, sweep or fit at a time writes to."""
 
 from __future__ import annotations
 

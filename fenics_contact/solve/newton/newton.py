@@ -41,7 +41,7 @@ from fenics_contact.solve.newton.searches import (
 )
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.solution_of_state import solution_of
-from fenics_contact.solve.newton.spring_control import SpringControl
+from fenics_contact.solve.newton.spring_control import SpringControl, run_far
 from fenics_contact.solve.newton.status_cycling import Chatter
 from fenics_contact.solve.systems import mumps
 from fenics_contact.solve.systems.system import System
@@ -84,7 +84,7 @@ class Newton:
         self._hopeless: Callable[[int], int] | None = None
         self._chatter = Chatter(problem.contacts, problem.comm)
         self._damping = Damping()
-        self._springs = SpringControl()
+        self._springs: SpringControl | None = None
         self.stopped: Callable[[], bool] = lambda: False
         self._is_stopped = False
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
@@ -92,6 +92,8 @@ class Newton:
         self._tiny = 0.0
         self._largest = 0.0
         self._before = 0
+        self._ran_far = False
+        self._first_forces = 0.0
         self._searches = False
         self._search: dict[str, Any] = ENERGY_SEARCH
         self._most: int | None = None
@@ -116,9 +118,7 @@ class Newton:
             NotConvergedError: In words, with the history of the force imbalance.
         """
         self._hopeless = hopeless
-        exactly = self.problem.scene.solver.tolerance
-        # Under springs the last step of a rough solve is not as exact as one of Newton's method.
-        self._tolerance = exactly if tolerance is None or self.system.is_sprung else tolerance
+        self._tolerance = tolerance or self.problem.scene.solver.tolerance
         self._searches = self._one_sided if search_energy is None else search_energy
         self._search = ENERGY_SEARCH
         self.softened = False
@@ -138,7 +138,7 @@ class Newton:
         """Once; where a search along the steps ends nowhere, once more in another way."""
         start = self.save()
         try:
-            self._solve()
+            self._solve_with_short_steps(start)
         except NotConvergedError:
             if not self._searches:
                 raise
@@ -148,6 +148,24 @@ class Newton:
                 self._search = THOROUGH_SEARCH
                 self._soften(start)
             self._solve()
+
+    def _solve_with_short_steps(self, start: Array) -> None:
+        """With springs where it searches, else where steps run far without them; collective."""
+        self._springs, self._ran_far = None, False
+        if not (self._searches and self.system.is_sprung):
+            try:
+                self._solve()
+                return
+            except NotConvergedError as error:
+                if not self._ran_far:
+                    raise
+                logger.info("%s; next: with springs that keep steps short", error)
+                self.restore(start)
+                self.problem.stick_all()
+        self._springs = SpringControl()
+        # Under springs the last step of a rough solve is less exact than one of Newton's own.
+        self._tolerance = self.problem.scene.solver.tolerance
+        self._solve()
 
     def _soften(self, start: Array) -> None:
         """Go back to the start; find what closes under softer penalties first; collective."""
@@ -182,7 +200,6 @@ class Newton:
         self._before = len(self.imbalances)
         self.limit = 0.0
         self._chatter.clear()
-        self._springs = SpringControl()
         # A body that runs away overflows here and there: the force imbalance tells.
         with self.timings.phase("solve"), np.errstate(over="ignore", invalid="ignore"):
             log = FactorisationLog()
@@ -296,8 +313,9 @@ class Newton:
         self, snes: PETSc.SNES, state: PETSc.Vec, tangent: PETSc.Mat, preconditioner: PETSc.Mat
     ) -> None:
         with self.timings.phase("assemble"):
-            own = self.imbalances[self._before :]
-            self.system.linearise(state, self._springs.share(own, self.system.forces))
+            own, springs = self.imbalances[self._before :], self._springs
+            share = 0.0 if springs is None else springs.share(own, self.system.forces)
+            self.system.linearise(state, share)
 
     def forget(self) -> None:
         """Count steps and note imbalances anew, for another load step."""
@@ -318,6 +336,7 @@ class Newton:
             self._chatter.note()
         forces = self.system.forces
         if iteration == 0:
+            self._first_forces = forces
             self._tiny = _LARGEST_FLOOR * imbalance if self._one_sided else 0.0
             self._largest = max(self._largest, self._tiny)
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
@@ -337,10 +356,13 @@ class Newton:
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         if self._searches and wanders and self._is_nearly_balanced:
             return NO_STEP_FOUND
-        if self._search is ENERGY_SEARCH and self._searches:
-            own = self.imbalances[self._before :]
-            if comes_no_nearer(own) and PenaltyPath(self.problem).exists:
-                return GIVEN_UP
+        own = self.imbalances[self._before :]
+        if self.system.is_sprung and self._springs is None and run_far(own, self._first_forces):
+            self._ran_far = True
+            return GIVEN_UP
+        is_quick = self._searches and self._search is ENERGY_SEARCH
+        if is_quick and comes_no_nearer(own) and PenaltyPath(self.problem).exists:
+            return GIVEN_UP
         return 0 if self._hopeless is None else self._hopeless(iteration)
 
     def _round_off(self) -> float:

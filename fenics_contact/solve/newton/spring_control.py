@@ -10,14 +10,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-# Stiffness over that of the body at the same dof. Rings of 4 to 20 rollers took the fewest steps
-# with the first; the softest hardly counts, and bodies are moved by the stiffest as by another.
+# Stiffness over that of the body at the same dof. Rings of 4 to 20 rollers took fewer steps with
+# the first than with a tenth of it; the softest is next to nothing.
 _FIRST, _SOFTEST, _STIFFEST = 1e-3, 1e-9, 1e-2
 _FACTOR = 10.0
 # Of an imbalance over the one before: more than grows, and less than is brought down.
 _GROWS, _FALLS = 3.0, 0.3
-# Imbalance over the forces from which the answer is near: no point changes any more.
+# Imbalance over the forces from which springs vanish with it.
 _NEAR = 1e-3
+# Imbalance over that at the start, and over the forces there, from which steps run far.
+_FAR = 100.0
+
+
+def run_far(imbalances: Sequence[float], forces: float) -> bool:
+    """Whether steps went far beyond where contact holds a body, so that springs are wanted.
+
+    Args:
+        imbalances: Before every step of the solve so far, the present one last (force).
+        forces: On the body at the start of the solve (force).
+    """
+    return imbalances[-1] > _FAR * max(imbalances[0], forces)
 
 
 class SpringControl:

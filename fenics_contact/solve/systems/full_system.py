@@ -42,7 +42,8 @@ class FullSystem(BodySystem):
         self.state, self.residual = self.tangent.createVecs()
         self._work = self.state.duplicate()
         self.factorisations = 0
-        self.is_sprung = bool(free_motions(problem))
+        self._free_motions = free_motions(problem)
+        self.is_sprung = bool(self._free_motions)
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
@@ -80,7 +81,7 @@ class FullSystem(BodySystem):
         dofs = ContactDofs(
             problem.spaces, problem.constrained, [contact.sides for contact in problem.contacts]
         )
-        motions = [dofs.gathered(one.reshape(-1))[dofs.is_free] for one in free_motions(problem)]
+        motions = [dofs.gathered(one.reshape(-1))[dofs.is_free] for one in self._free_motions]
         places = dofs.free[sprung(np.array(motions).T)]
         index_map = problem.spaces.displacement_space.dofmap.index_map
         own = places - index_map.local_range[0] * problem.spaces.components

@@ -21,9 +21,15 @@ _TELLS = 1e-6
 
 
 def free_motions(problem: Problem) -> list[Array]:
-    """What only contact resists: nodal displacements (nodes, components) each; collective.
+    """Rigid motions of bodies that only contact resists; collective.
 
-    None where inertia resists them too.
+    There are none where inertia resists every motion.
+
+    Args:
+        problem: The problem, with its supports.
+
+    Returns:
+        Nodal displacements in each motion, (nodes, components).
     """
     if problem.inertia is not None:
         return []

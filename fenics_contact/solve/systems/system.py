@@ -35,7 +35,7 @@ class System(ABC):
         scale_tolerance: Imbalance over the forces from which the ε of a contact that carries
             most of the forces is known well enough; None where further steps cost little.
         factorisations: How often a matrix of the bulk was factorised.
-        is_sprung: Whether ``step_springs`` act in steps of Newton's method.
+        is_sprung: Whether it has ``step_springs``, for steps of Newton's method.
         earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
         along_parts: Forces along preloaded parts at the last residual, on every rank (force).
     """

@@ -44,3 +44,16 @@ def test_only_what_stands_beside_is_joined(ring):
     upper = roller.normals[:, 1] > 0.8
     assert integrals.mass.diagonal()[upper].max() == 0
     assert integrals.mass.sum() > 0
+
+
+def test_a_point_on_a_side_of_the_master_may_still_overlap():
+    """A line that begins on a facet along which it hardly goes does not enter there."""
+    places = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    nodes = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+    outward = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2)
+    square = FacetMesh("interval", 1, 1, places[nodes], nodes, outward)
+    # Down and outward: behind lie the side, at the point itself, and the top at .1.
+    point, direction = np.array([[1.0, 0.9]]), np.array([[0.01, -1.0]])
+    found = hits(square, point, direction / np.linalg.norm(direction))
+    assert found.facet[0] == 2
+    assert found.distance[0] == pytest.approx(-0.1, rel=1e-3)

@@ -72,8 +72,9 @@ _EDGE, _CLOSE = 0.15, 0.2
 # of more doubt the larger the piece is beside its zone, up to this factor. Not so of contacts that
 # touch in single points, of which that is estimated.
 _HALF, _MOST = 0.5, 3.0
-# Nor of energies, which are stationary in its place: the answer is where the potential energy is
-# least. In 44 scenes at random with edges in large pieces all their bars held without that.
+# Nor of energies: the potential energy is least at the answer, so that an edge's place changes it
+# at second order only, and its two parts follow it nearly. That is no theorem for each of them with
+# friction; in the 44 scenes at random with edges in large pieces all their bars held without it.
 _STATIONARY = ("strain_energy", "external_work")
 # Distance of the two peaks, of the peak itself, from which it may have no bound at all: under
 # corners of obstacles it grows with every refinement.
