@@ -1,6 +1,7 @@
 """Runs that are killed, stopped or moved to other ranks, and go on as if nothing had happened."""
 
 import dataclasses
+import fcntl
 import functools
 import json
 import os
@@ -11,7 +12,7 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 
 import numpy as np
 import pytest
@@ -414,6 +415,17 @@ def kill_ranks(out):
             with suppress(ProcessLookupError):
                 os.kill(rank, signal.SIGKILL)
         time.sleep(0.05)
+    with open_folder(out) as folder:  # a rank that ends has lost its words before its files
+        fcntl.flock(folder, fcntl.LOCK_EX)
+
+
+@contextmanager
+def open_folder(path):
+    opened = os.open(path, os.O_RDONLY)
+    try:
+        yield opened
+    finally:
+        os.close(opened)
 
 
 def ranks_of(out):
