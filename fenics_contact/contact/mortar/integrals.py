@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -13,6 +14,11 @@ from fenics_contact.contact.mortar.facet_mesh import FacetMesh
 from fenics_contact.contact.mortar.overlap import Overlap
 from fenics_contact.contact.mortar.polygon_overlap import polygon_overlaps
 from fenics_contact.contact.mortar.segment_overlap import segment_overlap
+
+# Share of a facet that faces the master, at the least. Below, quadratic shape functions that vanish
+# at the covered end are multiples of each other there to about the share, and the mass of their
+# nodes is singular to about its square.
+_LEAST_COVERAGE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +44,7 @@ class MortarIntegrals:
 def integrate(
     slave: FacetMesh, master: FacetMesh, mean_normals: Array, is_axisymmetric: bool
 ) -> MortarIntegrals:
-    """The mortar integrals.
+    """The mortar integrals, without facets of which next to nothing faces the master.
 
     Args:
         slave: The surface whose shape functions are the mortar space.
@@ -46,18 +52,33 @@ def integrate(
         mean_normals: Directions of rays to the master at the slave's nodes, (nodes, dimension).
         is_axisymmetric: Whether integrals are over rings, with the weight 2πr.
     """
+    overlaps = partial(_overlaps, slave, master, mean_normals)
+    whole = _summed(slave, master, overlaps(), is_axisymmetric)
+    slivers = (whole.coverage > 0) & (whole.coverage < _LEAST_COVERAGE)
+    if not slivers.any():
+        return whole
+    return _summed(slave, master, (part.without(slivers) for part in overlaps()), is_axisymmetric)
+
+
+def _overlaps(slave: FacetMesh, master: FacetMesh, mean_normals: Array) -> Iterator[Overlap]:
+    """Common segments or triangles of both surfaces, some at a time."""
     degree = _quadrature_degree(slave, master)
-    cells: Iterable[Overlap] = ()
     if len(slave.nodes) == 0:  # as on a rank that the surface misses
-        pass
-    elif slave.dimension == 2:
-        cells = [segment_overlap(slave, master, mean_normals, degree)]
+        return
+    if slave.dimension == 2:
+        yield segment_overlap(slave, master, mean_normals, degree)
     else:
-        cells = polygon_overlaps(slave, master, mean_normals, degree)
+        yield from polygon_overlaps(slave, master, mean_normals, degree)
+
+
+def _summed(
+    slave: FacetMesh, master: FacetMesh, overlaps: Iterable[Overlap], is_axisymmetric: bool
+) -> MortarIntegrals:
+    """The integrals over common segments or triangles."""
     mass = csr_matrix((slave.node_count, slave.node_count))
     coupling = csr_matrix((slave.node_count, master.node_count))
     coverage = np.zeros(len(slave.nodes))
-    for overlap in cells:
+    for overlap in overlaps:
         coverage += np.bincount(overlap.slave, overlap.shares, minlength=len(coverage))
         ours = _values(slave, overlap.slave_reference)
         theirs = _values(master, overlap.master_reference)

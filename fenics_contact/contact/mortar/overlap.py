@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from fenics_contact.common.arrays import AnyIntegers, Array
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
 from fenics_contact.contact.mortar.ray_projection import entries_behind, near_lines
 
@@ -43,6 +43,15 @@ class Overlap:
     master_reference: Array
     weights: Array
     shares: Array
+
+    def without(self, facets: Flags) -> Overlap:
+        """Cells on other facets of the slave than these.
+
+        Args:
+            facets: Which facets of the slave are left out, (slave facets,).
+        """
+        kept = ~facets[self.slave]
+        return Overlap(*(getattr(self, each.name)[kept] for each in fields(self)))
 
 
 @dataclass(frozen=True, eq=False)

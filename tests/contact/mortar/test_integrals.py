@@ -175,6 +175,29 @@ def test_area_does_not_depend_on_the_rays(shape):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
+def test_facets_next_to_nothing_of_which_is_covered(shape):
+    """Quadratic functions are multiples of each other on a sliver: its facet is left out."""
+    slave = flat(shape, 1, 1, 2)
+    barely = flat(shape, 2, -1, 2, corner=(1 - 1e-7, -0.5), size=2.0)
+    integrals, _ = coupled(slave, barely)
+    assert integrals.mass.count_nonzero() == 0
+    assert integrals.coupling.count_nonzero() == 0
+    assert not integrals.coverage.any()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_facets_little_of_which_is_covered(shape):
+    """Linear displacements of the master are reproduced from a thousandth of a facet on."""
+    slave = flat(shape, 1, 1, 2)
+    master = flat(shape, 2, -1, 2, corner=(1 - 2e-3, -0.5), size=2.0)
+    integrals, projected = coupled(slave, master)
+    covered = integrals.mass.diagonal() > 0
+    found = projected @ node_places(master)[:, 0]
+    np.testing.assert_allclose(found[covered], node_places(slave)[covered, 0], atol=1e-5)
+    assert covered.any()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
 def test_coverage_is_the_exact_share(shape):
     """A slave of three facets each way, covered from x = 0.5 on: none, half, all of a facet."""
     slave = flat(shape, 3, 1)
