@@ -59,7 +59,7 @@ def coarse_contacts(load_steps: LoadSteps) -> list[CoarseContact]:
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
         if not contact.is_one_sided:
             continue
-        between = unseen(contact, state, solution.displacement)
+        between = unseen(problem, solution, number)
         far = between.shares > LARGEST_UNSEEN
         size = _FINER * between.spacing[far] * problem.spaces.degree
         finer = np.column_stack([between.places[far], size])

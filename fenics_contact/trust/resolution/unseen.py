@@ -15,16 +15,19 @@ import numpy as np
 
 from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.common.parallel import largest
-from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
+from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.comparison import nearer_to_failing, worst_of
 
 # Depth between points, over itself and what pressure closes, at the most. Measured on obstacles of
 # a tenth of a cell to ten cells: below, error bars hold what that does to forces, and from 0.8
 # on forces and indentations are wrong by any factor. Under the edge of a punch it is up to 0.5.
 LARGEST_UNSEEN = 0.6
+# Of the largest pressure of all contacts: what a depth would carry alone does not govern the answer
+# of a scene below. Rollers of a bearing that no load reaches touch with next to nothing.
+_GOVERNS = 0.01
 # Of the spacing of points: what round-off leaves of a depth.
 _ROUND_OFF = 1e-9
 
@@ -35,6 +38,8 @@ class Unseen:
 
     Attributes:
         shares: Depth between points, over itself and what pressure closes, (places,): 0 … 1.
+        governing: The same, or the pressure that the depth would carry over itself and a hundredth
+            of the largest pressure of all contacts where that is less, (places,): 0 … 1.
         places: (places, 3) (length).
         spacing: From one contact point to the next, (places,) (length).
         depth: Between points, less that at these, (places,) (length).
@@ -42,43 +47,51 @@ class Unseen:
     """
 
     shares: Array
+    governing: Array
     places: Array
     spacing: Array
     depth: Array
     nodes: AnyIntegers
 
 
-def unseen(contact: ContactSurface, state: ContactState, displacement: Array) -> Unseen:
-    """Of one that pushes; collective.
+def unseen(problem: Problem, solution: Solution, number: int) -> Unseen:
+    """How deep the surface of a contact that can only push is between its points; collective.
 
     Args:
-        contact: The contact.
-        state: What happens at its points.
-        displacement: At the body's nodes of this rank, (nodes, components) (length).
+        problem: The model.
+        solution: Its solution.
+        number: Of the contact.
     """
+    contact, state = problem.contacts[number], solution.states[number]
     trace, kinematics = contact.trace, contact.kinematics
-    between = kinematics.between_points(displacement)
+    between = kinematics.between_points(solution.displacement)
     at_nodes = np.maximum(-state.gap[: len(contact.nodes)], 0.0)
     nodes = kinematics.facets.nodes[between.facets]
     sunk = trace.at_all_nodes(at_nodes)[nodes]
     at_points = sunk.max(axis=1, initial=0.0)
     depth = np.maximum(between.depth - at_points - _ROUND_OFF * between.spacing, 0.0)
-    peak = largest(trace.spaces.comm, state.contact_pressure)
-    closes = peak * between.spacing / contact.moduli.plane_strain + at_points
-    shares = np.divide(depth, depth + closes, out=np.zeros_like(depth), where=depth > 0)
-    return Unseen(shares, between.places, between.spacing, depth, nodes)
+    peaks = [largest(problem.comm, one.contact_pressure) for one in solution.states]
+    gives_way = between.spacing / contact.moduli.plane_strain
+    shares = _shares(depth, peaks[number] * gives_way + at_points)
+    governing = np.minimum(shares, _shares(depth, _GOVERNS * max(peaks) * gives_way))
+    return Unseen(shares, governing, between.places, between.spacing, depth, nodes)
+
+
+def _shares(depth: Array, closes: Array) -> Array:
+    """Depths over themselves and what closes, (places,)."""
+    return np.divide(depth, depth + closes, out=np.zeros_like(depth), where=depth > 0)
 
 
 def unseen_contact(forces: NeededForces) -> Check | None:
     """What sinks in between points, over itself and what pressure closes there; collective."""
     worst: Check | None = None
-    for contact, state in zip(forces.problem.contacts, forces.solution.states, strict=True):
+    for number, contact in enumerate(forces.problem.contacts):
         if not contact.is_one_sided:
             continue
-        found = unseen(contact, state, forces.displacement)
+        found = unseen(forces.problem, forces.solution, number)
         if largest(forces.problem.comm, np.ones(len(found.shares))) == 0:
             continue
-        value, place = worst_of(forces.problem.comm, found.shares, found.places)
+        value, place = worst_of(forces.problem.comm, found.governing, found.places)
         check = Check(value, LARGEST_UNSEEN, contact.label, place)
         worst = nearer_to_failing(worst, check)
     return worst

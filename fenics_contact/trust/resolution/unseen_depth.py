@@ -44,6 +44,7 @@ class Sunk:
         number: Of the contact, in scene order.
         contact: The contact.
         place: Where the depth is the largest share of itself and what closes (length).
+        governing: How far that governs the answer of the scene, the largest, as of ``Unseen``.
         depth: The largest between points that touch (length).
         narrower: By how much gaps are to be narrower, at the points of this rank (length).
         is_beside: Whether a point touches beside every place.
@@ -54,6 +55,7 @@ class Sunk:
     number: int
     contact: ContactSurface
     place: Place
+    governing: float
     depth: float
     narrower: Array
     is_beside: bool
@@ -77,7 +79,7 @@ def _sunk(problem: Problem, solution: Solution, number: int, share: float) -> Su
     if not contact.is_one_sided:
         return None
     trace, kinematics = contact.trace, contact.kinematics
-    between = unseen(contact, state, solution.displacement)
+    between = unseen(problem, solution, number)
     far = between.shares > share
     if total(comm, int(far.sum())) == 0:
         return None
@@ -96,6 +98,7 @@ def _sunk(problem: Problem, solution: Solution, number: int, share: float) -> Su
         number,
         contact,
         worst_of(comm, between.shares, between.places)[1],
+        largest(comm, between.governing),
         depth,
         np.where(closed, depth * np.clip(trace.at_points(beside), 0.0, 1.0), 0.0),
         total(comm, int((far & ~touched).sum())) == 0,
@@ -128,7 +131,8 @@ def governed_by_depth(load_steps: LoadSteps) -> dict[int, Check]:
 
     Of a contact whose force the change moves by ΔF that is ΔF/(F + ΔF); of one whose force loads
     give, the depth over itself and how far the surface moves. The larger of both counts, and 1
-    where something sinks in beside no point that touches, or where no answer was found; collective.
+    where something sinks in beside no point that touches, or where no answer was found. Where the
+    depth would carry next to nothing of what other contacts do, it is that share; collective.
 
     Args:
         load_steps: At their end; all is there again afterwards.
@@ -140,8 +144,10 @@ def governed_by_depth(load_steps: LoadSteps) -> dict[int, Check]:
         return {}
     problem, solution = load_steps.problem, load_steps.last.solution
     sunk = sunk_contacts(problem, solution, LARGEST_UNSEEN)
-    known = [one for one in sunk if one.is_beside and problem.inertia is None]
-    shares = dict.fromkeys((one.number for one in sunk), 1.0)
+    shares = {one.number: one.governing for one in sunk}
+    govern = [one for one in sunk if one.governing > LARGEST_UNSEEN]
+    shares.update({one.number: 1.0 for one in govern})
+    known = [one for one in govern if one.is_beside and problem.inertia is None]
     measure = _forces_of(problem)
     other = _narrowed(load_steps, measure, known) if known else None
     if other is not None:

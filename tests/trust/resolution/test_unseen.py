@@ -95,12 +95,12 @@ def test_a_bump_of_a_profile_is_seen_between_points():
     assert found.checks["unseen_contact"].value == pytest.approx(1.0)
 
 
-def ridge_under_a_block(slave):
+def ridge_under_a_block(slave, push=0.002, beside=()):
     """A coarse block, pushed onto a narrow one with a rounded top between two of its nodes."""
     low = Box("low", (0.45, 0), (0.65, 1), (8, 8))
-    body = boxes([low, Box("high", (0, 1.5), (1, 2.5), (4, 4))])
+    body = boxes([low, Box("high", (0, 1.5), (1, 2.5), (4, 4)), *beside])
     places = body.mesh.geometry.x
-    top, high = np.isclose(places[:, 1], 1), places[:, 1] > 1.2
+    top, high = np.isclose(places[:, 1], 1) & (places[:, 0] < 1), places[:, 1] > 1.2
     places[top, 1] -= 2 * (places[top, 0] - BETWEEN) ** 2
     places[high, 1] -= 0.5
     scene = Scene(
@@ -108,7 +108,7 @@ def ridge_under_a_block(slave):
         material=Material(1000, 0.3),
         support=(
             Support("low.y0", {"x": 0, "y": 0}),
-            Support("high.y1", {"x": 0, "y": -0.002}),
+            Support("high.y1", {"x": 0, "y": -push}),
         ),
         contact=(Contact("high.y0", against="low.y1", slave=slave),),
     )
@@ -121,6 +121,29 @@ def test_a_body_whose_ridge_stands_between_nodes_of_the_other(slave, is_seen):
     found = run(*ridge_under_a_block(slave))
     assert (found.checks["unseen_contact"].value < LARGEST_UNSEEN) == is_seen
     assert found.exit_code == (0 if is_seen else 4)
+
+
+@pytest.mark.errors
+@pytest.mark.parametrize(("pressed", "code"), [(0.0, 4), (0.05, 0)])
+def test_a_contact_that_carries_next_to_nothing_does_not_govern(pressed, code):
+    """An apex stands .0005 deep between nodes .25 apart; a block beside it is pressed or not.
+
+    The surface would carry at most E* d/h = 2 there, the block beside it carries 500.
+    """
+    beside = Box("other", (2, 0), (3, 1), (2, 2))
+    scene, _, body = ridge_under_a_block("on", push=5e-4, beside=(beside,))
+    plane = Obstacle("plane", position=(0, 1), normal=(0, -1), indentation=pressed)
+    moduli = {"low": 1000, "high": 1000, "other": 10_000}
+    scene = dataclasses.replace(
+        scene,
+        material=tuple(Material(e, 0.3, on=part) for part, e in moduli.items()),
+        support=(*scene.support, Support("other.y0", {"x": 0, "y": 0})),
+        contact=(*scene.contact, Contact("other.y1", obstacle=plane)),
+    )
+    found = run(scene, COMM, body)
+    assert found.exit_code == code
+    assert (found.checks["unseen_contact"].value < LARGEST_UNSEEN) == (code == 0)
+    assert found.errors["max_contact_pressure"]["total"] is None
 
 
 def test_planes_over_whole_faces_have_nothing_to_compare():
