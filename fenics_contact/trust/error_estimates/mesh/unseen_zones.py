@@ -1,11 +1,14 @@
 """Slip and gaps that no point of the mesh shows.
 
-Slip where all that touches sticks, as far as can be seen. Beside edges and corners what a surface
-that sticks carries rises as one over the root of the distance at the most, and pressures do not
-(K. L. Johnson, Contact Mechanics, Cambridge 1985, section 2.8). Where at the end of a piece of
-width b friction is the share u of its bound g, it is at that bound up to u² b from the edge: there
-something may slip. What it does not carry of the traction moves the surface by about g u² b/E*
-(section 2.2: strains of a surface are of the order of the tractions over E*).
+Slip where all that touches sticks, as far as can be seen. Beside edges and corners the share u that
+friction has of its bound g rises like a power x^-s of the distance, s = 1/2 at the most (K. L.
+Johnson, Contact Mechanics, Cambridge 1985, section 2.8); where pressure and traction rise alike, as
+below the corner of a block, it hardly rises. An end stands for half of a piece of the length b, so
+that it carries 2^s/(1 - s) times what the other end does, which tells s. At its bound friction is
+up to (b/2) ((1 - s) u)^(1/s), and slips up to 2.5 times that at the most (π²/4 for s = 1/2: D. S.
+Dugdale, J. Mech. Phys. Solids 8 (1960) 100-104): less than c = (b/2) u^(1/s). There the surface
+moves by 4 g c/(π E*) at the end, and a third of it in the mean. What each piece does so at its own
+bound is summed up: of those inside, where the share is even, that is next to nothing.
 
 A gap where the last point of a surface touches, but carries little beside its neighbour. Pressure
 rises from the edge of what touches as the root of the distance (chapters 4 and 5). With the edge at
@@ -19,10 +22,10 @@ from collections.abc import Hashable
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP, ContactState
-from fenics_contact.evaluate.contact_areas import cut_areas
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
 
@@ -30,6 +33,9 @@ _AREAS = ("stick_area", "slip_area")
 # Shares of a piece that may be open, and what its end then carries over its other end.
 _OPEN = np.linspace(0.0, 0.5, 101)
 _CARRIED = 4 / 3 * (0.5 - _OPEN) ** 1.5 / np.sqrt(1 - _OPEN)
+# Powers with which friction may rise to its bound, and what an end then carries over the other one.
+_POWERS = np.linspace(0.01, 0.5, 50)
+_RISES = 2**_POWERS / (1 - _POWERS)
 
 
 def unseen_zones(problem: Problem, solution: Solution) -> dict[Hashable, float]:
@@ -99,18 +105,35 @@ def _unseen_slip(problem: Problem, solution: Solution) -> dict[Hashable, float]:
 def _of_contact(contact: ContactSurface, state: ContactState) -> dict[str, float]:
     if not contact.friction.rubs:
         return {}
-    comm, pieces = contact.trace.spaces.comm, contact.trace.pieces
+    comm, trace, pieces = contact.trace.spaces.comm, contact.trace, contact.trace.pieces
     if largest(comm, (state.status == SLIP).astype(float)) > 0:
         return {}
     closed = state.status != OPEN
     bounds = np.where(closed, contact.friction.bound_of(state.contact_pressure), 0.0)
     carried = contact.friction.rule.metric.carried(state.friction_traction)
     used = np.where(bounds > 0, carried / np.where(bounds > 0, bounds, 1.0), 0.0)
-    share = min(1.0, largest(comm, used)) ** 2
-    touching = closed[pieces.points].any(axis=1)
-    areas = np.where(touching, pieces.areas * pieces.weights.mean(axis=1), 0.0)
+    share = _slipping_share(used[pieces.points], closed[pieces.points])
     sides = pieces.areas if contact.spaces.components == 2 else np.sqrt(2 * pieces.areas)
-    area = share * max(largest(comm, areas), cut_areas(contact, state)[0])
-    bound, width = largest(comm, bounds), share * largest(comm, np.where(touching, sides, 0.0))
-    slip = bound * width / contact.moduli.plane_strain
-    return dict.fromkeys(_AREAS, area) | {"max_slip": slip, "friction_work": bound * slip * area}
+    bound = bounds[pieces.points].max(axis=1, initial=0.0)
+    slip = 4 / np.pi * bound * share * sides / contact.moduli.plane_strain
+    areas = share * pieces.measures
+    sums = np.array([areas.sum(), (bound * slip * areas).sum() / 3, pieces.measures.sum()])
+    area, work, every = total(comm, sums)
+    once = trace.area / float(every)  # quadrilaterals are cut twice
+    found = dict.fromkeys(_AREAS, once * float(area))
+    return found | {"max_slip": largest(comm, slip), "friction_work": once * float(work)}
+
+
+def _slipping_share(used: Array, closed: Flags) -> Array:
+    """Of the length of each piece, what may slip at its end that is nearest to it, (pieces,).
+
+    Args:
+        used: Friction over its bound at the corners, (pieces, corners).
+        closed: Which of these touch, (pieces, corners).
+    """
+    most = np.where(closed, used, 0.0).max(axis=1, initial=0.0)
+    least = np.where(closed, used, np.inf).min(axis=1, initial=np.inf)
+    # What one end alone carries, beside an edge of contact, may rise as steeply as can be.
+    several = (closed.sum(axis=1) > 1) & (least > 0)
+    rise = np.where(several, most / np.where(several, least, 1.0), _RISES[-1])
+    return np.asarray(0.5 * np.minimum(most, 1.0) ** (1 / np.interp(rise, _RISES, _POWERS)))
