@@ -46,6 +46,13 @@ def test_a_mesh_that_is_stiffer_than_the_body_has_no_bars(kind):
     assert ["more of the stiffness" in note for note in found.error_notes] == [True]
 
 
+def test_a_mesh_that_hides_all_is_not_one_that_makes_no_errors(monkeypatch):
+    monkeypatch.setattr(HeldBack, "hides", lambda held, change, value: True)
+    found = leaf((4, 1), 1)
+    assert {errors["total"] for errors in found.errors.values()} == {None}
+    assert ["more of the stiffness" in note for note in found.error_notes] == [True]
+
+
 @pytest.mark.parametrize("kind", [CellType.quadrilateral, CellType.triangle])
 def test_degree_2_has_bars_that_hold(kind):
     found = leaf((8, 1), 2, kind)

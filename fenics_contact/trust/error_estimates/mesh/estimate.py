@@ -106,8 +106,9 @@ def mesh_errors(
     Returns:
         By those keys: absolute, of vectors the length of the difference; without peaks of pressure
         that may have no bound. And the local errors they come from. None for the first where a
-        solve for it failed. What a mesh hides that is too stiff (``held_back``) is left out, but
-        where meshes are made for an accuracy, to which it is enough.
+        solve for it failed, or the mesh hides all. What a mesh hides that is too stiff
+        (``held_back``) is left out, but where meshes are made for an accuracy, to which it is
+        enough.
     """
     problem = load_steps.problem
     if load_steps.last is None:
@@ -162,7 +163,7 @@ def mesh_errors(
         found[key] = longer * leading + in_full + of_nodes
     if hidden and notes is not None:
         notes.append(TOO_STIFF)
-    return found, local
+    return found or None, local  # no errors at all would say that the mesh makes none
 
 
 def _doubt(problem: Problem, solution: Solution) -> float:
