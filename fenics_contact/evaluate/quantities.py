@@ -14,6 +14,7 @@ from fenics_contact.evaluate.contact_areas import Zones, contact_area, stick_are
 from fenics_contact.evaluate.contact_radii import radii
 from fenics_contact.evaluate.contact_resultants import resultants
 from fenics_contact.evaluate.needed_forces import NeededForces, own_dofs
+from fenics_contact.evaluate.recovered_pressure import pressure_of_facets
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.point_arrays import WRITTEN
@@ -34,7 +35,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
     slip = np.linalg.norm(state.slip[state.status != OPEN], axis=1)
     return {
         **resultants(contact, state, solution.friction_force[number]),
-        "max_contact_pressure": largest(comm, state.contact_pressure),
+        "max_contact_pressure": largest(comm, pressure_of_facets(contact, state)),
         "contact_area": closed,
         "stick_area": sticking,
         "slip_area": closed - sticking,

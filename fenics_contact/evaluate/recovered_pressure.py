@@ -1,7 +1,7 @@
-"""Contact pressure from the reactions: independent of penalty and quadrature.
+"""Contact pressure as a function on the surface: from the points, and from the reactions.
 
-The function on the contact surface whose nodal forces ∫ p N_i are those that the bulk
-needs at the nodes (K u − f along the normal).
+That from the reactions is independent of penalty and quadrature: the function whose nodal forces
+∫ p N_i are those that the bulk needs at the nodes (K u − f along the normal).
 """
 
 from __future__ import annotations
@@ -11,7 +11,45 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.space import SurfaceSpace
+
+
+def pressure_of_facets(contact: ContactSurface, state: ContactState) -> Array:
+    """Pressure at the points as a function of the facets' space, (points,) (stress); collective.
+
+    Quadratic triangles have more points than nodes: a part of the pressures that penalties make
+    there gives no force at any node, and depends on where kinks between facets and the edge of
+    contact happen to lie. The nearest function of the facets' space has the same forces without
+    that part; it may be a little below 0 beside the edge. Where all points are nodes, and where the
+    stiffness is that of a foundation, the pressure is that of the points.
+
+    Args:
+        contact: The contact.
+        state: What happens at its points.
+    """
+    if contact.trace.nodal or not contact.has_penalty:
+        return state.contact_pressure
+    every = np.ones(len(contact.trace.weights), dtype=bool)
+    return contact.trace.fitted(state.contact_pressure, every)
+
+
+def pressure_of_facets_transposed(contact: ContactSurface, values: Array) -> Array:
+    """What ``pressure_of_facets`` is transposed, (points,); collective.
+
+    It is a projection in the least squares of the points' weights.
+
+    Args:
+        contact: The contact.
+        values: At the points, 0 but where this rank counts them, (points,).
+    """
+    trace = contact.trace
+    if trace.nodal or not contact.has_penalty:
+        return values
+    shared, count = values / trace.weights, len(trace.nodes)
+    shared[:count] = trace.surface.of_owners(trace.at_all_nodes(shared[:count]))[trace.numbers]
+    every = np.ones(len(values), dtype=bool)
+    return np.where(trace.owned, trace.weights * trace.fitted(shared, every), 0.0)
 
 
 def reaction_pressure(contact: ContactSurface, needed: Array) -> Array:

@@ -91,7 +91,8 @@ ALL = (
     Quantity(
         "max_contact_pressure",
         "stress",
-        "the largest pressure at a contact point",
+        "the largest pressure at a contact point; on quadratic triangles that of the function on "
+        "the facets which is nearest to the pressures at the points and has the same forces",
         "the largest of all",
     ),
     Quantity(

@@ -16,6 +16,10 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import of_every_rank
 from fenics_contact.contact.point_gradients import AnswerGradient
 from fenics_contact.contact.state import OPEN
+from fenics_contact.evaluate.recovered_pressure import (
+    pressure_of_facets,
+    pressure_of_facets_transposed,
+)
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import Indentation
 from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, VECTORS, QuantityName
@@ -209,7 +213,7 @@ class Quantities:
         """What a largest value is the largest of, at the points."""
         state = self.solution.states[number]
         if quantity == "max_contact_pressure":
-            return state.contact_pressure
+            return pressure_of_facets(self.problem.contacts[number], state)
         return np.where(state.status != OPEN, np.linalg.norm(state.slip, axis=1), 0.0)
 
     def _largest(self, number: int, sizes: Array) -> tuple[float, int, int]:
@@ -232,7 +236,10 @@ class Quantities:
         return found
 
     def _add_max_pressure(self, found: StateGradient, number: int, name: QuantityName) -> None:
-        found.contacts[number].pressure += self._at_largest(number, name.quantity)
+        there = self._at_largest(number, name.quantity)
+        found.contacts[number].pressure += pressure_of_facets_transposed(
+            self.problem.contacts[number], there
+        )
 
     def _add_max_slip(self, found: StateGradient, number: int, name: QuantityName) -> None:
         slip = self.solution.states[number].slip

@@ -211,7 +211,7 @@ TABLE = {
     "tetrahedra": derived(
         with_changes(PAD, SPHERE),
         lambda: box_body((3, 3, 2), cell=CellType.tetrahedron),
-        "normal_force friction_force_x strain_energy reaction_x",
+        "normal_force friction_force_x strain_energy reaction_x max_contact_pressure",
         *(MU, PULL, RADIUS),
     ),
     "two bodies": case(
