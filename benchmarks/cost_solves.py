@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from fenics_contact.common.parallel import largest
+from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import (
@@ -24,7 +25,6 @@ from fenics_contact.solve.memory import unknowns
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import choose_solver, create_system
-from fenics_contact.solve.systems import mumps
 from fenics_contact.trust.error_estimates.budget import error_budget
 
 # isort: split

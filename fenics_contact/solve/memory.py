@@ -13,8 +13,8 @@ import numpy as np
 
 from fenics_contact.common.arrays import Flags
 from fenics_contact.common.parallel import total
+from fenics_contact.common.petsc import mumps
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.systems import mumps
 
 Name = Literal["condensed", "full", "iterative"]
 

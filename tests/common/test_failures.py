@@ -21,10 +21,10 @@ from fenics_contact.cli.commands import guarded
 from fenics_contact.common.errors import MachineError, NotConvergedError
 from fenics_contact.common.failures import READER_LEFT, explain, original
 from fenics_contact.common.memory import free_memory_for, memory_limit
+from fenics_contact.common.petsc import mumps
 from fenics_contact.simulation import scene_run as simulation
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.solver_choice import choose_solver
-from fenics_contact.solve.systems import mumps
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
 
 COMM = MPI.COMM_WORLD
@@ -269,6 +269,27 @@ def test_factorisation_without_memory_is_the_machines_failure(capsys, solver, op
         PETSc.Options().delValue(option)
     said = COMM.bcast(capsys.readouterr().err)
     assert words in said and "INFOG(1) = -" in said and said.count("\n") == 1
+
+
+@pytest.mark.parametrize("solver", ["condensed", "full", "iterative"])
+def test_a_workspace_that_is_too_small_is_made_larger(solver, monkeypatch):
+    """By every solver that factorises; the answer and its Newton steps are the same."""
+    made = with_solver(PULLED_BLOCK, solver=solver), COMM, box_body((3, 3, 3))
+    expected, tried = run(*made), []
+    plain = mumps.failure
+
+    def failure(factor):
+        found = plain(factor)
+        tried.append((factor.getMumpsIcntl(14), isinstance(found, mumps.WorkspaceError)))
+        return found
+
+    monkeypatch.setattr(mumps, "failure", failure)
+    monkeypatch.setattr(mumps, "SPARE_WORKSPACE", (-99, 50))
+    found = run(*made)
+    assert found.exit_code == 0
+    assert (-99, True) in set().union(*COMM.allgather(tried))
+    assert found.steps[0].newton_iterations == expected.steps[0].newton_iterations
+    assert found.quantities["strain_energy"] == pytest.approx(expected.quantities["strain_energy"])
 
 
 def test_mumps_error_codes():

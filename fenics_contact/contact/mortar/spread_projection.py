@@ -18,6 +18,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import gather_rows, lasting, total
+from fenics_contact.common.petsc import mumps
 from fenics_contact.contact.mortar.integrals import MortarIntegrals
 from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.surface.space import SurfaceSpace
@@ -96,16 +97,21 @@ class _Component:
         self._factor = self._factorised()
 
     def _factorised(self) -> PETSc.PC:
+        factor, error = mumps.factorised(self._create_factor)
+        if error is not None:
+            code = factor.getFactorMatrix().getMumpsInfog(1)
+            raise FenicsContactError(
+                f"MUMPS could not factorise the mass matrix of a contact surface: INFOG(1) = {code}"
+            )
+        return factor
+
+    def _create_factor(self, spare: int) -> PETSc.PC:
         factor = PETSc.PC().create(self._mass.comm)
         factor.setOperators(self._mass)
         factor.setType("lu")
         factor.setFactorSolverType("mumps")
-        factor.setUp()
-        code = factor.getFactorMatrix().getMumpsInfog(1)
-        if code < 0:
-            raise FenicsContactError(
-                f"MUMPS could not factorise the mass matrix of a contact surface: INFOG(1) = {code}"
-            )
+        factor.setFactorSetUpSolverType()
+        factor.getFactorMatrix().setMumpsIcntl(14, spare)
         return factor
 
     def apply(self, values: Array) -> Array:

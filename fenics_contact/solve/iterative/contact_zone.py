@@ -8,11 +8,11 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import MachineError
-from fenics_contact.common.petsc_options import ZONE_PREFIX
+from fenics_contact.common.petsc import mumps
+from fenics_contact.common.petsc.options import ZONE_PREFIX
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
-from fenics_contact.solve.systems import mumps
 
 
 class ContactZone:
@@ -66,7 +66,7 @@ class ContactZone:
         self._tangent = self._stiffness.duplicate(copy=True)
         self._solved, self._right = self._stiffness.createVecs()
         self._image = self._rows.createVecLeft()
-        self._factor = self._create_factor()
+        self._factor = self._create_factor(mumps.SPARE_WORKSPACE[0])
         for thing in (rows, every, inner, diagonal):
             thing.destroy()
 
@@ -74,13 +74,18 @@ class ContactZone:
         rows = (matrix.getOwnershipRange()[0] + local).astype(PETSc.IntType)
         return PETSc.IS().createGeneral(rows, comm=matrix.comm)
 
-    def _create_factor(self) -> PETSc.PC:
+    def _create_factor(self, spare: int) -> PETSc.PC:
         factor = PETSc.PC().create(self._tangent.comm)
         factor.setOptionsPrefix(ZONE_PREFIX)
         factor.setOperators(self._tangent)
         factor.setType("lu")
         factor.setFactorSolverType("mumps")
         factor.setFromOptions()
+        if factor.getType() == "lu" and factor.getFactorSolverType() == "mumps":
+            factor.setFactorSetUpSolverType()
+            matrix = factor.getFactorMatrix()
+            matrix.setOptionsPrefix(ZONE_PREFIX)
+            matrix.setMumpsIcntl(14, spare)
         return factor
 
     def factorise(self) -> bool:
@@ -97,6 +102,9 @@ class ContactZone:
         self._factor.setOperators(self._tangent)
         self._factor.setUp()
         error = mumps.failure_of(self._factor)
+        if isinstance(error, mumps.WorkspaceError):
+            self._factor.destroy()
+            self._factor, error = mumps.factorised(self._create_factor)
         if isinstance(error, MachineError):
             raise error
         return error is None

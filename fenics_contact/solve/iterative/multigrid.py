@@ -5,7 +5,7 @@ from __future__ import annotations
 from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.petsc_options import BULK_PREFIX
+from fenics_contact.common.petsc.options import BULK_PREFIX
 
 _OPTIONS = {
     "pc_type": "gamg",

@@ -11,9 +11,15 @@ import numpy as np
 from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
+from fenics_contact.common.errors import (
+    FenicsContactError,
+    MachineError,
+    NotConvergedError,
+    StoppedError,
+)
 from fenics_contact.common.failures import original
-from fenics_contact.common.petsc_options import PREFIX
+from fenics_contact.common.petsc import mumps
+from fenics_contact.common.petsc.options import PREFIX
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.noise import round_off
 from fenics_contact.problem.problem import Problem
@@ -43,7 +49,6 @@ from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.solution_of_state import solution_of
 from fenics_contact.solve.newton.spring_control import SpringControl, run_far
 from fenics_contact.solve.newton.status_cycling import Chatter
-from fenics_contact.solve.systems import mumps
 from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)
@@ -98,6 +103,7 @@ class Newton:
         self._search: dict[str, Any] = ENERGY_SEARCH
         self._most: int | None = None
         self._own_options: list[str] = []
+        self._spare = mumps.SPARE_WORKSPACE[0]
 
     def run(
         self,
@@ -200,6 +206,26 @@ class Newton:
         self._before = len(self.imbalances)
         self.limit = 0.0
         self._chatter.clear()
+        reason, failure = self._solve_once()
+        for spare in mumps.SPARE_WORKSPACE[1:]:
+            if not isinstance(failure, mumps.WorkspaceError):
+                break
+            self._spare = spare
+            self.imbalances.pop()  # it goes on from the same state
+            reason, failure = self._solve_once()
+        if self._is_stopped:
+            raise StoppedError("interrupted")
+        if isinstance(failure, MachineError):  # no smaller load step would help
+            raise failure
+        self.steps += self._steps_of_this_run
+        accepted = len(self.imbalances) > self._before and self.imbalances[-1] <= self.limit
+        if reason < 0 or not accepted:
+            own, forces = self.imbalances[self._before :], self.system.forces
+            words = not_converged(self.problem, own, forces, reason, self._chatter)
+            raise NotConvergedError(words, tuple(self.imbalances))
+
+    def _solve_once(self) -> tuple[int, FenicsContactError | None]:
+        """PETSc's reason to stop, and how a factorisation failed, or None; collective."""
         # A body that runs away overflows here and there: the force imbalance tells.
         with self.timings.phase("solve"), np.errstate(over="ignore", invalid="ignore"):
             log = FactorisationLog()
@@ -218,16 +244,7 @@ class Newton:
                     PETSc.Options().delValue(name)
                 self._own_options.clear()
             self.timings.move("solve", "factorise", log.seconds())
-        if self._is_stopped:
-            raise StoppedError("interrupted")
-        if isinstance(failure, MachineError):  # no smaller load step would help
-            raise failure
-        self.steps += self._steps_of_this_run
-        accepted = len(self.imbalances) > self._before and self.imbalances[-1] <= self.limit
-        if reason < 0 or not accepted:
-            own, forces = self.imbalances[self._before :], self.system.forces
-            words = not_converged(self.problem, own, forces, reason, self._chatter)
-            raise NotConvergedError(words, tuple(self.imbalances))
+        return reason, failure
 
     @property
     def _steps_of_this_run(self) -> int:
@@ -265,7 +282,8 @@ class Newton:
         snes.setJacobian(self._set_tangent, system.tangent)
         options = PETSc.Options()
         search = self._search if self._searches else FULL_STEPS
-        for name, value in (system.options | search).items():
+        workspace = mumps.workspace_option(system.options, self._spare)
+        for name, value in (system.options | workspace | search).items():
             if not options.hasName(PREFIX + name):
                 options.setValue(PREFIX + name, value)
                 self._own_options.append(PREFIX + name)

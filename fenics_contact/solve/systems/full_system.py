@@ -14,6 +14,7 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import total
+from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.body_answer import FindBody
@@ -30,8 +31,7 @@ class FullSystem(BodySystem):
     options: ClassVar = {
         "ksp_type": "preonly",
         "pc_type": "lu",
-        "pc_factor_mat_solver_type": "mumps",
-        "mat_mumps_icntl_14": 50,
+        "pc_factor_mat_solver_type": mumps.NAME,
     }
 
     def __init__(self, problem: Problem, timings: Timings) -> None:

@@ -23,6 +23,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.common.errors import MachineError
+from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
 from fenics_contact.solve.condensed.bulk import local_factor
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
@@ -31,7 +32,6 @@ from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.tangent import ContactTangent
-from fenics_contact.solve.systems import mumps
 from tests.scenes import box_body, with_solver
 from tests.solve.condensed.stiff_and_soft import Split
 from tests.solve.same_answer import require_same, solved
@@ -395,7 +395,7 @@ def test_obstacle_that_only_held_nodes_touch():
 
 def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
     """MUMPS runs out of workspace on the last rank; S would be anything."""
-    plain = local_factor._factorised_by_mumps
+    plain = local_factor._of_mumps
 
     def without_memory(operator, kind):
         found = plain(operator, kind)
@@ -403,8 +403,8 @@ def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
         return found
 
     if COMM.rank == COMM.size - 1:
-        monkeypatch.setattr(local_factor, "_factorised_by_mumps", without_memory)
-        monkeypatch.setattr(local_factor, "_SPARE_WORKSPACE", (-90, -80))
+        monkeypatch.setattr(local_factor, "_of_mumps", without_memory)
+        monkeypatch.setattr(mumps, "SPARE_WORKSPACE", (-90, -80))
     scene = with_solver(pressed(), solver="condensed")
     with pytest.raises(MachineError, match="MUMPS"):
         Run(scene, COMM, box_body((40, 40), (1, 1))).solve()

@@ -9,10 +9,9 @@ from mpi4py import MPI
 from scipy.sparse import block_diag, csr_matrix, diags, identity, kron
 
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Study, Support, run
-from fenics_contact.solve.condensed.bulk import local_factor
+from fenics_contact.common.petsc import mumps
 from fenics_contact.solve.condensed.bulk.local_factor import LocalFactor
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors, RankFactor
-from fenics_contact.solve.systems import mumps
 from fenics_contact.verification.block_pair import block
 
 COMM = MPI.COMM_WORLD
@@ -199,7 +198,7 @@ def test_a_workspace_that_is_too_small_is_made_larger(monkeypatch):
 
     plain = mumps.failure
     monkeypatch.setattr(mumps, "failure", failure)
-    monkeypatch.setattr(local_factor, "_SPARE_WORKSPACE", (-90, 50))
+    monkeypatch.setattr(mumps, "SPARE_WORKSPACE", (-90, 50))
     found = LocalFactor(stiffness, kept, chosen)
     assert found.error is None
     assert tried == [-90, 50]

@@ -13,14 +13,11 @@ from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError
-from fenics_contact.common.petsc_options import PREFIX
-from fenics_contact.solve.systems import mumps
+from fenics_contact.common.petsc import mumps
+from fenics_contact.common.petsc.options import PREFIX
 from fenics_contact.solve.systems.petsc_library import call
 
 _WITHOUT_SCHUR_DOFS = 0  # MUMPS' ICNTL(26): solve with K_II alone
-# ICNTL(14), in per cent: a mean stress may need other pivots than foreseen, and how many more may
-# depend on the units of lengths and stresses. What is too small is made larger.
-_SPARE_WORKSPACE = (50, 400, 3200)
 # Of the root of both diagonal entries: how far the stiffness of an equal part that stands elsewhere
 # may be off. Gmsh places nodes to 1e-12.
 _SAME = 2e-11
@@ -58,28 +55,27 @@ class LocalFactor:
         )
         self._right, self._solved = operator.createVecRight(), operator.createVecLeft()
         self._kind = chosen.kind
-        for spare in _SPARE_WORKSPACE:
-            if self._preconditioner is not None:
-                self._preconditioner.destroy()
-            if not self._factorise(operator, chosen, spare):
-                break
+        self._factorise(operator, chosen)
         operator.destroy()  # the preconditioner keeps it
 
-    def _factorise(self, operator: PETSc.Mat, chosen: mumps.Factorisation, spare: int) -> bool:
-        """Try it with a workspace; whether this was too small."""
-        self._preconditioner = _factorised_by_mumps(operator, chosen.kind)
-        factor = self._preconditioner.getFactorMatrix()
-        factor.setOptionsPrefix(PREFIX)
-        factor.setMumpsIcntl(7, chosen.ordering)
-        factor.setMumpsIcntl(14, spare)
-        rows = self._ask_for_schur() if len(self._kept) else None
-        self._preconditioner.setUp()
-        self.error = mumps.failure(factor)
-        if rows is not None:
-            if self.error is None:
-                self.schur = self._read_schur()
+    def _factorise(self, operator: PETSc.Mat, chosen: mumps.Factorisation) -> None:
+        asked: list[PETSc.IS] = []
+
+        def create(spare: int) -> PETSc.PC:
+            self._preconditioner = _of_mumps(operator, chosen.kind)
+            factor = self._preconditioner.getFactorMatrix()
+            factor.setOptionsPrefix(PREFIX)
+            factor.setMumpsIcntl(7, chosen.ordering)
+            factor.setMumpsIcntl(14, spare)
+            if len(self._kept):
+                asked.append(self._ask_for_schur())
+            return self._preconditioner
+
+        self._preconditioner, self.error = mumps.factorised(create)
+        if asked and self.error is None:
+            self.schur = self._read_schur()
+        for rows in asked:
             rows.destroy()
-        return self.error is not None and mumps.wants_workspace(factor)
 
     def serves(self, matrix: csr_matrix, kept: Integers) -> bool:
         """Whether it is the factor of another matrix, too, but for round-off.
@@ -166,7 +162,7 @@ def _same_pattern(one: csr_matrix, other: csr_matrix) -> bool:
     )
 
 
-def _factorised_by_mumps(operator: PETSc.Mat, kind: str) -> PETSc.PC:
+def _of_mumps(operator: PETSc.Mat, kind: str) -> PETSc.PC:
     preconditioner = PETSc.PC().create(PETSc.COMM_SELF)
     preconditioner.setOperators(operator)
     preconditioner.setType(kind)

@@ -13,9 +13,9 @@ from scipy.sparse.csgraph import connected_components
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
+from fenics_contact.common.petsc import mumps
 from fenics_contact.solve.condensed.bulk.local_factor import LocalFactor
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
-from fenics_contact.solve.systems import mumps
 
 # Nodes of equal parts are at the same places but for this share of a part's size.
 _SAME_PLACE = 1e-7
