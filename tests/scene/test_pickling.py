@@ -1,12 +1,12 @@
-"""Scenes go to other processes where their functions do."""
+"""Scenes go to other processes where their functions do, and results come back."""
 
 import dataclasses
 import pickle
 
 import pytest
 
-from fenics_contact import Contact, MeshSource, Path, Profile
-from tests.scenes import slab
+from fenics_contact import Contact, MeshSource, Path, Profile, run
+from tests.scenes import box_body, slab
 
 
 def uneven(points):
@@ -34,3 +34,21 @@ def test_a_scene_with_functions_of_a_module_comes_back(pressure, protocol):
 def test_a_function_without_a_name_is_named():
     with pytest.raises((pickle.PicklingError, AttributeError), match="<lambda>"):
         pickle.dumps(scene_with(lambda x: x[0]))
+
+
+def test_a_result_comes_back():
+    """With its checks, errors, load steps and points."""
+    scene = dataclasses.replace(slab(), mesh=())
+    names = {"bottom": "y0", "top": "y1", "left": "x0", "right": "x1"}
+    scene = dataclasses.replace(
+        scene,
+        support=tuple(dataclasses.replace(one, on=names[one.on]) for one in scene.support),
+        load=tuple(dataclasses.replace(one, on=names[one.on]) for one in scene.load),
+        contact=tuple(dataclasses.replace(one, on=names[one.on]) for one in scene.contact),
+    )
+    result = run(scene, body=box_body((8, 2), (8, 1)))
+    found = pickle.loads(pickle.dumps(result))
+    assert type(found) is type(result) and found.as_dict() == result.as_dict()
+    assert repr(found) == repr(result) and found.passed == result.passed
+    assert found.points is not None and result.points is not None
+    assert (found.points.contact_pressure == result.points.contact_pressure).all()
