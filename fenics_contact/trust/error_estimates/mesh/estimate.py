@@ -7,7 +7,8 @@ change of something else, moves them through these, quantities scatter about smo
 it. A peak of the contact pressure lies between what the penalty makes of gaps and what the bulk
 needs. Facets miss curved surfaces, which changes gaps (``geometry_errors``). And how large a
 contact is that touches in single points, no mesh as coarse tells (``single_points``), nor what a
-surface does where an obstacle sinks in between its points (``unseen_depth``).
+surface does where an obstacle sinks in between its points (``unseen_depth``), or ends there
+(``obstacle_edges``).
 
 What the last of these tells of an edge's or a peak's place is added to the others as an independent
 error is, by the sum of squares: the one has no reason to come with the other. All else goes in full
@@ -53,6 +54,7 @@ from fenics_contact.trust.error_estimates.solving_again import (
     Quantities,
     differences,
 )
+from fenics_contact.trust.resolution.obstacle_edges import obstacle_edge_errors
 from fenics_contact.trust.resolution.unseen_depth import unseen_depth_errors
 
 # Weighed with all cases of ``fenics-contact verify --errors``, those that test included, and 60
@@ -122,12 +124,8 @@ def mesh_errors(
     changes = _changes(load_steps, local, followed, again, drawn or again, held)
     scatter = load_scatter(load_steps, measure, recorded)
     curved = geometry_errors(load_steps, measure)
-    torn = torn_errors(load_steps, measure)
-    points = single_point_errors(load_steps, measure)
-    sunk = unseen_depth_errors(load_steps, measure)
-    if changes is None or scatter is None or curved is None or torn is None:
-        return None, local
-    if points is None or sunk is None:
+    places = _in_places(load_steps, measure)
+    if changes is None or scatter is None or curved is None or places is None:
         return None, local
     whole, at_random = changes
     for name, error in local.at_points().items():
@@ -139,14 +137,13 @@ def mesh_errors(
     pinned, unseen = _beside_pinned(problem, solution), unseen_zones(problem, solution)
     of_cycles = OfCycles(cycles_of(problem.scene), [time for time, _ in recorded])
     scatter = of_cycles.of_ends(scatter)
-    of_gaps = curved, torn, points, sunk
-    curved, torn, points, sunk = (of_cycles.of_steps(found) for found in of_gaps)
+    curved = of_cycles.of_steps(curved)
+    places = of_cycles.of_steps(places)
     losses = [key for key in whole if isinstance(key, LossOfCycle)]
     unseen = of_cycles.of_swings(unseen, losses)
     doubt = _doubt(problem, solution)
     found, hidden = {}, []
-    known = whole.keys() & scatter.keys() & curved.keys() & torn.keys()
-    for key in known & points.keys() & sunk.keys():
+    for key in set(whole).intersection(scatter, curved, places):
         at_contact = at_contacts.get(key, 0.0)
         if at_contact is None:
             continue
@@ -157,13 +154,34 @@ def mesh_errors(
         of_cells = held.all_steps * _LOCAL[problem.spaces.degree] * change
         of_mesh = float(np.hypot(of_cells + _SCATTER * scatter[key], at_contact))
         leading = of_mesh + _CURVED * curved[key]
-        in_full = torn[key] + points[key] + sunk[key]
         of_nodes = pinned.get(key, 0.0) + unseen.get(key, 0.0)
         longer = 1.0 if key in _STATIONARY else doubt
-        found[key] = longer * leading + in_full + of_nodes
+        found[key] = longer * leading + places[key] + of_nodes
     if hidden and notes is not None:
         notes.append(TOO_STIFF)
     return found or None, local  # no errors at all would say that the mesh makes none
+
+
+def _in_places(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
+    """What is added in full, of answers in which single places are otherwise; collective.
+
+    Where an obstacle ends between points it sinks in there as well: the larger of both counts.
+
+    Args:
+        load_steps: As of ``mesh_errors``.
+        measure: Likewise.
+
+    Returns:
+        By quantity; None where one of the answers was not found.
+    """
+    torn = torn_errors(load_steps, measure)
+    points = single_point_errors(load_steps, measure)
+    sunk = unseen_depth_errors(load_steps, measure)
+    ended = obstacle_edge_errors(load_steps, measure)
+    if torn is None or points is None or sunk is None or ended is None:
+        return None
+    known = torn.keys() & points.keys() & sunk.keys() & ended.keys()
+    return {key: torn[key] + points[key] + max(sunk[key], ended[key]) for key in known}
 
 
 def _doubt(problem: Problem, solution: Solution) -> float:
