@@ -163,9 +163,7 @@ class ContactSurface:
     @property
     def can_go_by_points(self) -> bool:
         """Whether all points are nodes, and its laws say what they do at points."""
-        return (
-            self.trace.nodal and self.normal.says_it_at_points and self.friction.says_it_at_points
-        )
+        return self.trace.nodal and self.normal.is_pointwise and self.friction.is_pointwise
 
     def force_of(self, law: NormalLaw | FrictionLaw) -> Array:
         """Forces of one of its laws at all nodes of its surface; collective."""
@@ -321,7 +319,7 @@ class ContactSurface:
             contact_pressure=pressure,
             friction_traction=self.normal.traction(jump) + self.friction.traction(slip),
             slip=slip,
-            status=self.friction.status(closed, self.friction.felt(slip), bound),
+            status=self.friction.status(closed, self.friction.scaled_slip(slip), bound),
             penalty_energy=self.normal.stored(jump),
         )
         return replace(state, own=self._own(state)) if self.own_arrays else state

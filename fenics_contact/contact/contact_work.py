@@ -73,6 +73,6 @@ class ContactWork:
         left = np.zeros(len(state.gap))
         if self._normal.pushes_only:
             left += self._last.open_pressing(state)
-        if self._friction.rubs:
+        if self._friction.has_friction:
             left += self._last.open_friction(state, self._slip_in_step(state))
         return float(self._trace.integral(left))

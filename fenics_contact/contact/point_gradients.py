@@ -132,7 +132,7 @@ class GivenChange:
     direction: Array | None = None
 
 
-def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradient:
+def vjp(contact: ContactSurface, answers: AnswerGradient) -> GivenGradient:
     """At the present state of a contact, whose bound is that of its pressure.
 
     Args:
@@ -144,17 +144,15 @@ def pulled_back(contact: ContactSurface, answers: AnswerGradient) -> GivenGradie
     slip = kinematics.tangential(jump)
     of_traction = kinematics.tangential(answers.friction)
     pressed = contact.normal.pressure(jump)
-    friction = contact.friction.pulled_back(slip, pressed, of_traction)
-    of_way, of_others = contact.friction.step_end_pulled_back(
+    friction = contact.friction.vjp(slip, pressed, of_traction)
+    of_way, of_others = contact.friction.vjp_state_update(
         slip, contact.normal.is_closed(pressed), answers.state
     )
     of_law = dict(friction.fields)
     for name, values in of_others.items():
         of_law[name] = of_law[name] + values if name in of_law else values
     pressure = answers.pressure + friction.pressure
-    normal = contact.normal.pulled_back(
-        jump, pressure[:, None] * normals - of_traction, answers.energy
-    )
+    normal = contact.normal.vjp(jump, pressure[:, None] * normals - of_traction, answers.energy)
     depth = np.where(kinematics.reached, answers.depth, 0.0)
     return GivenGradient(
         jump=answers.jump

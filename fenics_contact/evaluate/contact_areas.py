@@ -80,7 +80,7 @@ class Zones:
         if not contact.is_coulomb:
             return None
         carried = contact.friction.rule.metric.carried(state.friction_traction)
-        slip = np.linalg.norm(contact.friction.felt(state.slip), axis=1)
+        slip = np.linalg.norm(contact.friction.scaled_slip(state.slip), axis=1)
         beyond = np.maximum(slip - contact.regularisation_parameter, 0.0)
         beyond = np.where(self.closed, beyond, np.inf)
         spare = np.maximum(contact.friction_bound - carried, 0.0)
@@ -132,7 +132,7 @@ def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[Flags]:
     """Which pieces of this rank the edges of contact and of stick pass through."""
     zones = [state.status != OPEN, state.status == STICK]
     zones[0] = zones[0] if _may_open(contact) else np.ones_like(zones[0])
-    zones[1] = zones[1] if contact.friction.rubs else np.ones_like(zones[1])
+    zones[1] = zones[1] if contact.friction.has_friction else np.ones_like(zones[1])
     inside = [zone[contact.trace.pieces.points] for zone in zones]
     return [found.any(axis=1) & ~found.all(axis=1) for found in inside]
 

@@ -44,7 +44,7 @@ def resultants(
 
 def _friction(contact: ContactSurface, state: ContactState, force: Array) -> Array:
     """On the slave: of the law at the nodes; of glue, of its traction; of smooth contacts none."""
-    if contact.friction.rubs:
+    if contact.friction.has_friction:
         return resultant(contact.spaces, force[contact.owned_nodes])
     if not contact.can_shear:
         return np.zeros(contact.spaces.components)

@@ -85,7 +85,7 @@ def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
     """
     if not contact.friction.has_regularisation:
         return {}
-    slip = np.linalg.norm(contact.friction.felt(state.slip), axis=1)
+    slip = np.linalg.norm(contact.friction.scaled_slip(state.slip), axis=1)
     slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
     near = slips & (slip < 2 * contact.regularisation_parameter)
     return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}

@@ -39,7 +39,7 @@ def named_motions(problem: Problem, rigid: RigidMotions) -> list[dict[str, Any]]
             presses = contact.is_one_sided and largest(problem.comm, np.abs(across)[acts]) > size
             for word, sizes in (
                 ("contact", np.abs(across) * presses),
-                ("friction", along * contact.friction.rubs),
+                ("friction", along * contact.friction.has_friction),
             ):
                 if largest(problem.comm, sizes[acts]) > _RESISTS:
                     resisted.append(f"{word} at '{contact.label}'")

@@ -156,7 +156,7 @@ class Problem:
     @property
     def frictional(self) -> list[ContactSurface]:
         """The contacts that have a friction term."""
-        return [contact for contact in self.contacts if contact.friction.rubs]
+        return [contact for contact in self.contacts if contact.friction.has_friction]
 
     @property
     def coulomb(self) -> list[ContactSurface]:
@@ -332,7 +332,7 @@ class Problem:
             if contact.contact.against is not None:
                 continue  # what stands opposite may move
             free = contact.owned_nodes & contact.supports.movable
-            if contact.friction.rubs and self.comm.allreduce(int(free.sum())) == 0:
+            if contact.friction.has_friction and self.comm.allreduce(int(free.sum())) == 0:
                 raise InputError(
                     f"contact[{number}].on = '{contact.contact.on}': supports hold every point of "
                     "it along the surface, so nothing can slip"

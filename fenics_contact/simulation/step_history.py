@@ -291,7 +291,7 @@ class StepHistory(Generic[_Forces]):
     def _slip_share(self, solution: Solution, number: int) -> dict[str, Any]:
         """Of what friction can hold a contact uses, if it has any; collective."""
         contact = self._problem.contacts[number]
-        if not contact.friction.rubs:
+        if not contact.friction.has_friction:
             return {}
         return {"slip_share": share_of_contact(contact, solution.states[number])}
 

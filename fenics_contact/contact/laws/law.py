@@ -9,6 +9,7 @@ import numpy as np
 
 from fenics_contact.body.forms import CompiledForm
 from fenics_contact.common.arrays import Array
+from fenics_contact.contact.laws.earlier_names import keep_earlier_names
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.averaging import SurfaceAverage
@@ -20,9 +21,10 @@ _TOGETHER = (
     ("tangents", "tangent_at_points"),
     ("loads", "loads_at_points"),
 )
+_EARLIER_NAMES = {"pulled_back": "vjp", "says_it_at_points": "is_pointwise"}
 
 
-def are_said_together(law: object, *names: str) -> bool:
+def defined_in_same_class(law: object, *names: str) -> bool:
     """Whether one class says what some attributes of a law are: then they fit each other."""
     classes = type(law).__mro__
     return len({next((c for c in classes if name in vars(c)), None) for name in names}) == 1
@@ -49,6 +51,10 @@ class ContactLaw:
     checks: tuple[str, ...] = ()
     state: tuple[PointArray, ...] = ()
     follows_jump: ClassVar[bool] = False
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        keep_earlier_names(cls, _EARLIER_NAMES)
 
     def __init__(self, site: LawSite) -> None:
         self.site = site
@@ -81,19 +87,19 @@ class ContactLaw:
         return ()
 
     @property
-    def says_it_at_points(self) -> bool:
+    def is_pointwise(self) -> bool:
         """Whether its numbers at the points are made along with its forms.
 
         Those of a law that has other forms than the one it derives from need not be its own.
         """
-        return all(are_said_together(self, one, other) for one, other in _TOGETHER)
+        return all(defined_in_same_class(self, one, other) for one, other in _TOGETHER)
 
     @property
     def has_derivatives(self) -> bool:
-        """Whether ``pulled_back`` is of its own numbers, and nothing else is kept between steps."""
+        """Whether ``vjp`` is of its own numbers, and nothing else is kept between steps."""
         keeps = {array.name for array in self.state} - self.derived_state
-        own = are_said_together(self, "pulled_back", "at_points")
-        return not keeps and (not self.follows_jump or (own and self.says_it_at_points))
+        own = defined_in_same_class(self, "vjp", "at_points")
+        return not keeps and (not self.follows_jump or (own and self.is_pointwise))
 
     @property
     def derived_state(self) -> set[str]:
@@ -163,3 +169,6 @@ class ContactLaw:
         """
         for name, values in self.at_step_end(state).items():
             setattr(self, name, values)
+
+
+keep_earlier_names(ContactLaw, _EARLIER_NAMES)

@@ -66,7 +66,7 @@ def share_of_contact(contact: ContactSurface, state: ContactState) -> float | No
     Returns:
         0 … 1; None without friction, and where no rigid motion slips along all that is closed.
     """
-    if not contact.friction.rubs:
+    if not contact.friction.has_friction:
         return None
     jumps = _relative_motions(contact, state.status != OPEN)
     share, _ = _rigid_slip([contact], [state], [jumps]).share()
@@ -153,7 +153,7 @@ class SlipShares:
 
 def slip_shares(problem: Problem, states: Sequence[ContactState]) -> SlipShares | None:
     """Of the contacts of an answer; None where none of them has friction; collective."""
-    rubs = any(contact.friction.rubs for contact in problem.contacts)
+    rubs = any(contact.friction.has_friction for contact in problem.contacts)
     return SlipShares(problem, states) if rubs else None
 
 
@@ -202,7 +202,7 @@ def _rigid_slip(
             across += np.einsum("q,qi,qj->ij", weights, normal, normal)
         part = np.einsum("q,qci,qcj->ij", weights, slips, slips)
         allowed += allowance(contact.kinematics.facet_turn) ** 2 * part
-        if contact.friction.rubs:
+        if contact.friction.has_friction:
             work_here, held = _friction_of(contact, state, jump)
             work += work_here
             rows.append(held)

@@ -179,7 +179,7 @@ class Inertia:
         opposite, taken = 0.5 * (state.motions + now), (now - state.motions) / self.size
         every = zip(self._contacts, opposite, taken, state.elastic, strict=True)
         for number, (contact, motion, velocity, elastic) in enumerate(every):
-            if contact.friction.rubs:
+            if contact.friction.has_friction:
                 contact.friction.accept(along_contact(contact, moved, motion) - elastic)
             if contact.friction.follows_speed and state.sliding is not None:
                 contact.follow_speed(state.sliding[number])

@@ -34,7 +34,7 @@ def _sizes(vectors: Array) -> Array:
 def _counted(contact: ContactSurface) -> Array:
     """The slip that friction counts at present, (points, components) (length)."""
     kinematics = contact.kinematics
-    return contact.friction.counted(kinematics.tangential(kinematics.jump_at_points()))
+    return contact.friction.effective_slip(kinematics.tangential(kinematics.jump_at_points()))
 
 
 def elastic_slip(contact: ContactSurface) -> Array:
@@ -44,7 +44,7 @@ def elastic_slip(contact: ContactSurface) -> Array:
 
 def _goes_back(contact: ContactSurface, counted: Array) -> Array:
     friction = contact.friction
-    if not friction.rubs:
+    if not friction.has_friction:
         return np.zeros_like(counted)
     sizes = _sizes(counted)
     most = np.where(

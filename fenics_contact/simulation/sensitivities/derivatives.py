@@ -139,7 +139,7 @@ def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradien
         problem.contacts, found.contacts, gradient.contacts, strict=True
     ):
         if contact.friction.follows_path:
-            of_slip, of_state = contact.friction.reference_pulled_back(after.reference)
+            of_slip, of_state = contact.friction.vjp_reference(after.reference)
             before.slip += of_slip
             before.state = {**after.state, **of_state}
     return found

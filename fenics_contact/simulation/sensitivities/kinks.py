@@ -39,8 +39,8 @@ def _just_touches(contact: ContactSurface, state: ContactState) -> bool:
 def _just_slips(contact: ContactSurface, state: ContactState) -> bool:
     """Whether the slip of a point that friction holds is as long as sticking allows."""
     longest = contact.regularisation_parameter
-    if not contact.friction.rubs or not longest:
+    if not contact.friction.has_friction or not longest:
         return False
-    slip = np.linalg.norm(contact.friction.felt(state.slip), axis=1)
+    slip = np.linalg.norm(contact.friction.scaled_slip(state.slip), axis=1)
     held = (state.status != OPEN) & (contact.friction_bound > 0)
     return bool((held & (np.abs(slip - longest) <= _NEAR * longest)).any())

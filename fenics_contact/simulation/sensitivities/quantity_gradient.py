@@ -10,7 +10,7 @@ from fenics_contact.body.modulus_slopes import ModulusSlopes
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.point_gradients import AnswerGradient, along, pulled_back
+from fenics_contact.contact.point_gradients import AnswerGradient, along, vjp
 from fenics_contact.simulation.sensitivities.scene_changes import Change
 from fenics_contact.simulation.sensitivities.state_gradients import StateGradient
 from fenics_contact.solve.condensed.adjoint import BodyGradient, CondensedAdjoint
@@ -61,15 +61,13 @@ class QuantityGradient:
                 answers = answers.with_traction(contact, -answers.traction(contact))
                 virtual += traction
             known.append(self._with_work(contact, answers, virtual))
-            jumps.append(contact.trace.onto_nodes(pulled_back(contact, known[-1]).jump))
+            jumps.append(contact.trace.onto_nodes(vjp(contact, known[-1]).jump))
         body = self._with_untouched(state.body, jumps)
         self.multipliers = adjoint.solve(jumps, state.scalars, body, start)
         self.contacts = []
         for number, contact in numbered:
             virtual = self.multipliers.other_jump(number)
-            self.contacts.append(
-                pulled_back(contact, self._with_work(contact, known[number], virtual))
-            )
+            self.contacts.append(vjp(contact, self._with_work(contact, known[number], virtual)))
 
     def _traction(self, number: int, state: StateGradient) -> Array | None:
         """The virtual jump whose work on a contact's tractions is in a quantity, at all nodes.

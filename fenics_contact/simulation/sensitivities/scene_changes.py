@@ -204,7 +204,7 @@ class SceneChanges:
                 number, contact, self._at_points(contact, key, scene.pressure, rest[1:])
             )
         of_friction = rest[0].startswith("friction") or name == "regularisation_parameter"
-        if of_friction and not contact.friction.rubs:
+        if of_friction and not contact.friction.has_friction:
             raise _refused(key, "without friction, it is no parameter of the model")
         name, value, inside = value_under(scene, rest)
         unit = _unit(key, value, inside)

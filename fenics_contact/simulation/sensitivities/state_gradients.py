@@ -271,7 +271,7 @@ class Quantities:
                 "friction_force has"
             )
         weights = contact.trace.weights[:, None]
-        if contact.friction.rubs:
+        if contact.friction.has_friction:
             found.contacts[number].friction -= weights * state.slip
             found.contacts[number].slip -= weights * state.friction_traction
 

@@ -149,13 +149,13 @@ class AlternatingLoop:
         """
         contact = self.contacts[number]
         kinematics, epsilon = contact.kinematics, contact.friction.regularisation_parameter
-        slip = contact.friction.felt(kinematics.tangential(kinematics.jump_at_points()))
+        slip = contact.friction.scaled_slip(kinematics.tangential(kinematics.jump_at_points()))
         size = np.linalg.norm(slip, axis=1)
         unit = slip / np.where(size > 0, size, 1.0)[:, None]
         sticks, directions = self._sticks[number], self._directions[number]
         share = np.where(sticks, np.minimum(size / epsilon, 1.0), 1.0)
         along = np.where(sticks[:, None], unit, directions)
-        traction = contact.friction.pull(bound * share, along)
+        traction = contact.friction.traction_from_bound(bound * share, along)
         back = np.einsum("ij,ij->i", slip, directions) < epsilon
         self._sticks[number] = np.where(sticks, size <= epsilon, back)
         self._directions[number] = np.where(self._sticks[number][:, None], 0.0, unit)

@@ -67,5 +67,5 @@ def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
 
 def _needed(contact: ContactSurface, pressure: Array) -> float:
     """The ε whose bias is below .1 % at a pressure, 0 without one; collective."""
-    bound = contact.friction.to_be_resolved(contact.friction.bound_of(pressure))
+    bound = contact.friction.bound_for_regularisation(contact.friction.bound_of(pressure))
     return contact.scales.regularisation_parameter(largest(contact.spaces.comm, bound))

@@ -36,7 +36,8 @@ class EliminatingNewton:
         self._ran_out = False  # the last linear solve, of its iterations
         self._between_bodies = system.problem.between_bodies
         self._is_nonlinear = any(
-            contact.is_one_sided or contact.friction.rubs for contact in system.problem.contacts
+            contact.is_one_sided or contact.friction.has_friction
+            for contact in system.problem.contacts
         )
 
     def solve(self, snes: PETSc.SNES, right: PETSc.Vec, state: PETSc.Vec) -> None:

@@ -70,7 +70,7 @@ def _slide(contact: ContactSurface, far: float) -> None:
     """Set friction to that of points that have slid far in the direction in which they slip."""
     friction, kinematics = contact.friction, contact.kinematics
     slip: Array = kinematics.tangential(kinematics.jump_at_points())
-    counted = friction.counted(slip)
+    counted = friction.effective_slip(slip)
     sizes = np.linalg.norm(counted, axis=1)[:, None]
     direction = np.divide(counted, sizes, out=np.zeros_like(counted), where=sizes > 0)
     friction.accept(slip - far * direction)

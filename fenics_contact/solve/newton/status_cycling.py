@@ -131,11 +131,11 @@ class Chatter:
 def _present(contact: ContactSurface) -> _Iterate:
     """What the points of a contact do now."""
     pressure, kinematics = contact.pressure(), contact.kinematics
-    slip = contact.friction.felt(kinematics.tangential(kinematics.jump_at_points()))
+    slip = contact.friction.scaled_slip(kinematics.tangential(kinematics.jump_at_points()))
     epsilon = contact.friction.regularisation_parameter
     size = np.linalg.norm(slip, axis=1)
     closed, slips = pressure > 0, size > epsilon
-    moving = (closed & slips & contact.friction.rubs)[:, None]
+    moving = (closed & slips & contact.friction.has_friction)[:, None]
     direction = np.where(moving, slip / np.where(size > 0, size, 1.0)[:, None], 0.0)
     status = np.where(closed, np.where(slips, 2, 1), 0).astype(np.int8)
     return _Iterate(status, direction, pressure)

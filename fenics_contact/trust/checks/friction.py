@@ -95,7 +95,7 @@ def compared_friction(forces: NeededForces) -> list[ComparedFriction]:
     for number, contact in enumerate(problem.contacts):
         free, movable = contact.supports.free_along, contact.supports.movable
         counted = contact.owned_nodes & movable
-        if not contact.friction.rubs or problem.comm.allreduce(int(counted.sum())) == 0:
+        if not contact.friction.has_friction or problem.comm.allreduce(int(counted.sum())) == 0:
             continue
         trace = contact.trace
         traction = np.linalg.norm(solution.states[number].friction_traction, axis=1)
@@ -108,7 +108,7 @@ def compared_friction(forces: NeededForces) -> list[ComparedFriction]:
         bulk = free * recovered_friction(forces, number) / unit[:, None]
         given = solution.friction_force[number] / unit[:, None]
         law = free * contact.kinematics.tangential(given)
-        since = contact.friction.counted(solution.states[number].slip)
+        since = contact.friction.effective_slip(solution.states[number].slip)
         slip = free * since[: len(contact.nodes)]
         metric = contact.friction.rule.metric
         pulled = metric.at(metric.at(since))[: len(contact.nodes)]

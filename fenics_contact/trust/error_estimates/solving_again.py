@@ -301,8 +301,8 @@ def restore(load_steps: LoadSteps) -> None:
     """
     for contact in load_steps.problem.contacts:
         contact.normal.soften(1.0)
-        contact.friction.regularise_less(1.0)
-        contact.friction.strengthen(1.0)
+        contact.friction.scale_regularisation(1.0)
+        contact.friction.scale_coefficient(1.0)
     if load_steps.problem.far_field is not None:
         load_steps.problem.far_field.beyond[:] = 0.0
     load_steps.problem.disturbance = None

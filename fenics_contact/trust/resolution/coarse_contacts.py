@@ -69,7 +69,7 @@ def coarse_contacts(load_steps: LoadSteps) -> list[CoarseContact]:
             finer = np.concatenate([finer, thin.finer])
         if is_unseen or thin is not None:
             governs = is_unseen and not governed[number].passed
-            sticking = int((state.status == STICK).sum()) if contact.friction.rubs else 0
+            sticking = int((state.status == STICK).sum()) if contact.friction.has_friction else 0
             sticks = total(problem.comm, sticking) > 0
             which = number, contact.label
             found.append(CoarseContact(*which, thin, is_unseen, governs, sticks, finer))

@@ -24,7 +24,7 @@ def both(contact, action):
 
 def modes_of(contact):
     """Those that its friction may have."""
-    if not contact.friction.rubs:
+    if not contact.friction.has_friction:
         return ("law",)
     others = ("status", "held", "off")
     return ("law", "coupled", *others) if contact.is_coulomb else ("law", *others)

@@ -52,7 +52,7 @@ def rubbing(name, law="incremental", dimension=3):
         way = 0.0003 + 0.0005 * contact.trace.coordinates[:, 0]  # between the table's numbers
         contact.friction.rule.take({"slip_so_far": way})
     contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
-    felt = np.linalg.norm(contact.friction.felt(slip_of(contact)), axis=1)
+    felt = np.linalg.norm(contact.friction.scaled_slip(slip_of(contact)), axis=1)
     acts, longest = contact.friction.bound > 0, contact.regularisation_parameter
     for some in (felt < longest, felt > longest):
         assert COMM.allreduce(int((acts & some).sum())) > 0
@@ -119,7 +119,7 @@ def test_the_transposed_derivative_of_the_traction(name, law):
         friction.set_bound(friction.bound_of(pressure))
         return np.sum(of_traction * friction.traction(slip))
 
-    found = friction.pulled_back(slip, pressure, of_traction)
+    found = friction.vjp(slip, pressure, of_traction)
     expected = quotient(lambda step: quantity(slip + step * by_slip, pressure))
     assert along(found.slip, by_slip) == pytest.approx(expected, rel=1e-6)
     expected = quotient(lambda step: quantity(slip, pressure + step * by_pressure), 1e-5)
@@ -161,7 +161,7 @@ def test_the_transposed_derivative_of_the_state_update(name):
         friction.rule.take({array: kept})
         return np.sum(of_end * friction.at_step_end(replace(begin, slip=slip))[array])
 
-    of_slip, others = friction.step_end_pulled_back(slip, begin.status != OPEN, {array: of_end})
+    of_slip, others = friction.vjp_state_update(slip, begin.status != OPEN, {array: of_end})
     expected = quotient(lambda step: quantity(slip + step * by_slip, before))
     assert abs(expected) > 1e-3
     assert along(of_slip, by_slip) == pytest.approx(expected, rel=1e-6)
@@ -185,7 +185,7 @@ def test_the_transposed_derivative_of_the_slip_that_counts_as_none(name):
         friction.accept(slip + (1 - of_kept) * step * by_slip)
         return np.sum(of_reference * friction.reference)
 
-    of_slip, of_kept = friction.reference_pulled_back(of_reference)
+    of_slip, of_kept = friction.vjp_reference(of_reference)
     assert along(of_slip, by_slip) == pytest.approx(quotient(lambda h: quantity(h, 0)), rel=1e-6)
     found = sum(along(values, by_kept[name]) for name, values in of_kept.items())
     assert found == pytest.approx(quotient(lambda h: quantity(h, 1)), rel=1e-6, abs=1e-9)
@@ -195,6 +195,6 @@ def test_the_transposed_derivative_of_the_slip_that_counts_as_none(name):
 def test_the_static_law_counts_from_the_start():
     """Its slip that counts as none is no slip, whatever the step before left."""
     contact = rubbing("coulomb", "static")
-    of_slip, of_kept = contact.friction.reference_pulled_back(random_like(slip_of(contact), 1))
+    of_slip, of_kept = contact.friction.vjp_reference(random_like(slip_of(contact), 1))
     assert not of_slip.any()
     assert of_kept == {}

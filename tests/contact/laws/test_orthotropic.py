@@ -245,7 +245,7 @@ def test_the_true_tangent_is_the_derivative_of_the_traction():
     friction.set_scale(0.01)
     slip = displaced(contact, random)
     friction.set_bound(friction.bound_of(contact.pressure()))
-    felt = np.linalg.norm(friction.felt(slip), axis=1)
+    felt = np.linalg.norm(friction.scaled_slip(slip), axis=1)
     pressed = friction.bound > 0
     assert COMM.allreduce(int((pressed & (felt < 0.01)).sum())) > 0
     assert COMM.allreduce(int((pressed & (felt > 0.01)).sum())) > 0

@@ -40,7 +40,7 @@ class Polished(Incremental):
         self.drift = np.zeros_like(site.trace.normals)
 
     def at_step_end(self, state):
-        step = self.counted(state.slip)
+        step = self.effective_slip(state.slip)
         return {
             "slid_way": self.slid_way + np.linalg.norm(step, axis=1),
             "drift": self.drift + step,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError, OwnNormalLaw, Study, allow_laws, main, run
+from fenics_contact import InputError, OwnFriction, OwnNormalLaw, Study, allow_laws, main, run
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.laws import allowed
 from tests.contact.laws.test_formula_law import BALL, law
@@ -194,3 +194,27 @@ def test_no_module_is_allowed_to_begin_with(folder):
             COMM,
             box_body((2, 2)),
         )
+
+
+def test_a_rule_that_says_its_state_update_by_the_earlier_name_is_asked_by_it():
+    """Overridden, called, and called on the class that it derives from."""
+
+    class Polished(OwnFriction):
+        def at_step_end(self, slip, closed):
+            return {}
+
+        def step_end_pulled_back(self, slip, closed, of_end):
+            return super().step_end_pulled_back(slip, closed, of_end)[0] + 1, {"way": 2}
+
+    class Twice(Polished):
+        def vjp_state_update(self, slip, closed, of_end):
+            return slip, {}
+
+    rule, twice = (made.__new__(made) for made in (Polished, Twice))
+    slip = np.zeros((2, 3))
+    found, others = rule.vjp_state_update(slip, None, {})
+    assert found.tolist() == np.ones((2, 3)).tolist()
+    assert others == {"way": 2}
+    assert rule.has_derivatives
+    assert twice.step_end_pulled_back(slip, None, {}) == (slip, {})
+    assert not twice.has_derivatives

@@ -64,7 +64,7 @@ def test_what_a_rule_keeps_goes_back_through_the_load_steps(name, rule, monkeypa
     def nothing(rule, slip, closed, of_end):
         return np.zeros_like(slip), {}
 
-    monkeypatch.setattr(rule, "step_end_pulled_back", nothing)
+    monkeypatch.setattr(rule, "vjp_state_update", nothing)
     found = errors(study_of(name), ["friction_force_x"], [DEPTH])
     assert min(found.values()) > 1e2
 

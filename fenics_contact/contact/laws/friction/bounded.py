@@ -26,7 +26,7 @@ _WRITTEN_BOUND = PointArray("bound", "stress", column="friction_bound")
 class BoundedFriction(FrictionLaw):
     """Friction up to a bound by a rule; how it comes to it is up to those that derive from it."""
 
-    rubs: ClassVar[bool] = True
+    has_friction: ClassVar[bool] = True
     carries_shear: ClassVar[bool] = True
     checks: tuple[str, ...] = (
         "friction_cone",
@@ -105,7 +105,7 @@ class BoundedFriction(FrictionLaw):
         self._used = epsilon * self._left
         self._forms.epsilon.value = self._used
 
-    def regularise_less(self, left: float) -> None:
+    def scale_regularisation(self, left: float) -> None:
         """Use this part of every ε that is set, from now on, unless it is the surfaces' own."""
         self._left = left if self.has_regularisation else 1.0
         self._choose(self._chosen)
@@ -119,7 +119,7 @@ class BoundedFriction(FrictionLaw):
         """Use this share of the coefficient, from below or above 1, on the way to all of it."""
         self._forms.share.value = share * self._strength
 
-    def strengthen(self, factor: float) -> None:
+    def scale_coefficient(self, factor: float) -> None:
         """Use so many times the friction coefficient, from now on, also on the way to all of it."""
         self._strength = factor
         self.set_share(1.0)
@@ -145,7 +145,9 @@ class BoundedFriction(FrictionLaw):
         """Take the bound, and the ε that it needs, from a pressure that is given (stress)."""
         self.set_bound(self.bound_of(pressure))
         if self.has_regularisation and self.site.contact.regularisation_parameter == "auto":
-            strongest = largest(self.site.trace.spaces.comm, self.to_be_resolved(self.bound))
+            strongest = largest(
+                self.site.trace.spaces.comm, self.bound_for_regularisation(self.bound)
+            )
             self.set_scale(self.site.scales.regularisation_parameter(strongest))
 
     def accept(self, slip: Array) -> None:
@@ -164,7 +166,7 @@ class BoundedFriction(FrictionLaw):
 
     def at_step_end(self, state: ContactState) -> dict[str, Array]:
         """What its rule keeps."""
-        return self.rule.at_step_end(self.counted(state.slip), state.status != OPEN)
+        return self.rule.at_step_end(self.effective_slip(state.slip), state.status != OPEN)
 
     def shown(self, state: ContactState) -> dict[str, Array]:
         """The bound along the friction traction, where it is another one along each direction."""
@@ -182,33 +184,33 @@ class BoundedFriction(FrictionLaw):
     def _rule_takes_kept(self) -> None:
         self.rule.take({array.name: getattr(self, array.name) for array in self.rule.state})
 
-    def counted(self, slip: Array) -> Array:
+    def effective_slip(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""
         return slip - self.reference
 
     def sliding(self, slip: Array) -> Array:
         """The slip that counts, less what goes back."""
-        counted = self.counted(slip)
+        counted = self.effective_slip(slip)
         return counted - self.rule.elastic(counted)
 
     def stored(self, traction: Array, slip: Array) -> Array:
         """−½ σ_T · s_e of the elastic slip."""
-        elastic = self.rule.elastic(self.counted(slip))
+        elastic = self.rule.elastic(self.effective_slip(slip))
         return np.asarray(0.0 - 0.5 * np.einsum("ij,ij->i", traction, elastic))
 
-    def step_end_pulled_back(
+    def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
         """As its rule makes them."""
         if not of_end:
-            return super().step_end_pulled_back(slip, closed, of_end)
-        return self.rule.step_end_pulled_back(self.counted(slip), closed, of_end)
+            return super().vjp_state_update(slip, closed, of_end)
+        return self.rule.vjp_state_update(self.effective_slip(slip), closed, of_end)
 
-    def reference_pulled_back(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
+    def vjp_reference(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
         """The slip then, less what goes back, if the law is incremental."""
         if self._forms.accepted is None:
-            return super().reference_pulled_back(of_reference)
-        return of_reference, self.rule.carried_pulled_back(0.0 - of_reference)
+            return super().vjp_reference(of_reference)
+        return of_reference, self.rule.vjp_carried_slip(0.0 - of_reference)
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
         """Of ε in itself, and of what its rule has."""

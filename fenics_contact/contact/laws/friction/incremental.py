@@ -24,5 +24,5 @@ class Incremental(RegularisedFriction):
         """
         if not self.stores_energy:
             return given
-        now, then = self.rule.elastic(self.counted(slip)), self.rule.carried_slip
+        now, then = self.rule.elastic(self.effective_slip(slip)), self.rule.carried_slip
         return np.asarray(given - 0.5 * np.sum(before * now - traction * then, axis=1))

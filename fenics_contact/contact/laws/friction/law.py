@@ -24,7 +24,7 @@ class FrictionLaw(ContactLaw):
     """The law along a contact; this one exerts nothing, and others say what they do instead.
 
     Attributes:
-        rubs: Whether it has a bound, up to which points stick and beyond which they slip.
+        has_friction: Whether it has a bound, up to which points stick and beyond which they slip.
         carries_shear: Whether it can exert a force along the surface.
         follows_path: Whether slip counts from the last accepted load step, so that answers depend
             on the way there.
@@ -44,7 +44,7 @@ class FrictionLaw(ContactLaw):
 
     kind: ClassVar[str] = "none"
     model: ClassVar[str] = "no friction"
-    rubs: ClassVar[bool] = False
+    has_friction: ClassVar[bool] = False
     carries_shear: ClassVar[bool] = False
     follows_path: ClassVar[bool] = False
     state: tuple[PointArray, ...] = (
@@ -75,12 +75,12 @@ class FrictionLaw(ContactLaw):
     @property
     def follows_speed(self) -> bool:
         """Whether its bound depends on how fast points slide."""
-        return self.rubs and self.rule.follows_speed
+        return self.has_friction and self.rule.follows_speed
 
     @property
     def depends_on_pressure(self) -> bool:
         """Whether its bound follows a pressure that is not known (Coulomb's friction)."""
-        return self.rubs and not self.normal.pressure_is_known
+        return self.has_friction and not self.normal.pressure_is_known
 
     @property
     def has_regularisation(self) -> bool:
@@ -110,10 +110,10 @@ class FrictionLaw(ContactLaw):
     def set_scale(self, epsilon: float) -> None:
         """Use an ε from now on, unless it is 0: under no pressure it does not matter (length)."""
 
-    def regularise_less(self, left: float) -> None:
+    def scale_regularisation(self, left: float) -> None:
         """Use this part of every ε that is set, from now on."""
 
-    def strengthen(self, factor: float) -> None:
+    def scale_coefficient(self, factor: float) -> None:
         """Use so many times the friction coefficient, from now on."""
 
     def set_bound(self, bound: Array) -> None:
@@ -202,14 +202,14 @@ class FrictionLaw(ContactLaw):
 
         Args:
             sticks: Which points stick.
-            directions: Of ``felt`` slip, (points, components).
+            directions: Of the scaled slip, (points, components).
             bound: g at the points (stress).
         """
 
     def glue(self, stiffness: float, points: Flags) -> None:
         """Springs along the surface at some points (stress/length), whatever the pressure."""
 
-    def counted(self, slip: Array) -> Array:
+    def effective_slip(self, slip: Array) -> Array:
         """The slip that the law sees: since the start, or since the last accepted step."""
         return slip
 
@@ -219,7 +219,7 @@ class FrictionLaw(ContactLaw):
         Args:
             slip: Since the start, (points, components) (length).
         """
-        return self.counted(slip)
+        return self.effective_slip(slip)
 
     def stored(self, traction: Array, slip: Array) -> Array:
         """Energy of the slip that goes back, (points,) (energy/area).
@@ -230,24 +230,24 @@ class FrictionLaw(ContactLaw):
         """
         return np.zeros(len(slip))
 
-    def felt(self, slip: Array) -> Array:
-        """``counted`` as friction feels it: it sticks where this is no longer than ε.
+    def scaled_slip(self, slip: Array) -> Array:
+        """The effective slip as friction feels it: it sticks where this is no longer than ε.
 
         Args:
             slip: Since the start, (points, components) (length).
         """
-        return self.rule.metric.at(self.counted(slip))
+        return self.rule.metric.at(self.effective_slip(slip))
 
-    def pull(self, bound: Array, directions: Array) -> Array:
+    def traction_from_bound(self, bound: Array, directions: Array) -> Array:
         """Traction on the body by friction of a size, (points, components) (stress).
 
         Args:
             bound: g, or what is used of it, at the points (stress).
-            directions: Of ``felt`` slip, (points, components).
+            directions: Of the scaled slip, (points, components).
         """
         return 0.0 - bound[:, None] * self.rule.metric.at(directions)
 
-    def to_be_resolved(self, bound: Array) -> Array:
+    def bound_for_regularisation(self, bound: Array) -> Array:
         """The friction whose sticking ε must not be seen beside: the least of all directions.
 
         A point sticks until it has slipped by ε as friction feels it; along a direction in which
@@ -262,7 +262,7 @@ class FrictionLaw(ContactLaw):
         """Traction on the body for a slip since the start, (points, components) (stress)."""
         return np.zeros_like(slip)
 
-    def pulled_back(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
+    def vjp(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
         """What a quantity's derivatives in its tractions are in what it works on.
 
         Args:
@@ -273,7 +273,7 @@ class FrictionLaw(ContactLaw):
         nothing = np.zeros_like(slip)
         return FrictionGradient(nothing, nothing, np.zeros(len(slip)), {})
 
-    def step_end_pulled_back(
+    def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
         """What a quantity's derivatives in arrays of its state are in what makes them in a step.
@@ -289,7 +289,7 @@ class FrictionLaw(ContactLaw):
         """
         return np.zeros_like(slip), {}
 
-    def reference_pulled_back(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
+    def vjp_reference(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
         """What a quantity's derivatives in ``reference`` are in what the step before left.
 
         Args:
@@ -331,7 +331,7 @@ class FrictionLaw(ContactLaw):
 
         Args:
             closed: Points in contact.
-            slip: As ``felt`` (length).
+            slip: The scaled one (length).
             bound: g at the points (stress).
         """
         return np.where(closed, SLIP, OPEN)

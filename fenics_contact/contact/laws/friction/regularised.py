@@ -168,11 +168,11 @@ class RegularisedFriction(BoundedFriction):
             slip: w_T since the start at the points, shape (points, components) (length).
         """
         if self.mode in ("law", "coupled"):
-            self._tangent_state.follow(self.felt(slip), self.regularisation_parameter)
+            self._tangent_state.follow(self.scaled_slip(slip), self.regularisation_parameter)
 
     def take_true_tangent(self, slip: Array) -> None:
         """Set the tangent to the law's own derivative, from now on with nothing left stiff."""
-        self._tangent_state.take_true(self.felt(slip), self.regularisation_parameter)
+        self._tangent_state.take_true(self.scaled_slip(slip), self.regularisation_parameter)
 
     def recall(self, at_points: Mapping[str, Array]) -> None:
         """Follow the law as after a load step, whatever has been tried since.
@@ -191,7 +191,7 @@ class RegularisedFriction(BoundedFriction):
         """Springs g/ε on points that stick, friction against directions on those that slip."""
         self.mode = "status"
         self.set_bound(np.where(sticks, bound, 0.0))
-        self.hold(self.pull(np.where(sticks, 0.0, bound), directions))
+        self.hold(self.traction_from_bound(np.where(sticks, 0.0, bound), directions))
         self.stick_all()
 
     def glue(self, stiffness: float, points: Flags) -> None:
@@ -206,9 +206,14 @@ class RegularisedFriction(BoundedFriction):
     def _values(self, slip: Array) -> dict[str, Array | float]:
         """Of the variables of ``_at_points`` at a slip since the start."""
         epsilon, fields = self.regularisation_parameter, self.rule.metric.fields
-        return {"slip": self.counted(slip), "bound": self.bound, "epsilon": epsilon, **fields}
+        return {
+            "slip": self.effective_slip(slip),
+            "bound": self.bound,
+            "epsilon": epsilon,
+            **fields,
+        }
 
-    def pulled_back(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
+    def vjp(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
         """By the second derivatives of g φ_ε; g follows the rule's fields and the pressure."""
         values = self._values(slip)
 
@@ -217,7 +222,7 @@ class RegularisedFriction(BoundedFriction):
             return np.asarray(0.0 - np.einsum("ijk,ij->ik", found, of_traction))
 
         of_slip, of_bound = of("slip"), of("bound")[:, 0]
-        rule = self.rule.pulled_back(pressure, float(self._forms.share.value) * of_bound)
+        rule = self.rule.vjp(pressure, float(self._forms.share.value) * of_bound)
         metric = self.rule.metric.fields
         fields = dict(rule.fields)
         for name, field in metric.items():

@@ -157,7 +157,7 @@ class NormalLaw(ContactLaw):
         """Energy at the points at a jump (energy/area)."""
         return np.zeros(len(jump))
 
-    def pulled_back(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
+    def vjp(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
         """What a quantity's derivatives in its answers are in what it works on.
 
         Args:

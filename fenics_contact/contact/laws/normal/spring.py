@@ -258,7 +258,7 @@ class SpringLaw(NormalLaw):
         """ψ at the points at a jump (energy/area)."""
         return self._at_points.value(**self._values(jump)) / self.softened
 
-    def pulled_back(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
+    def vjp(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
         """By ψ's own derivatives, as its forces and tangents are."""
         acts, values = self.acts(self.pressure(jump)), self._values(jump)
         factor = np.where(acts, 1 / self.softened, 0.0)

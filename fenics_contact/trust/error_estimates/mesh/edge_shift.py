@@ -242,7 +242,7 @@ def _by(shift: _Shift, time: float) -> Change:
     def change(problem: Problem) -> None:
         problem.disturbance = Disturbance.growing(shift.forces, time)
         for contact in problem.frictional:
-            contact.friction.strengthen(1.0 + shift.strength)
+            contact.friction.scale_coefficient(1.0 + shift.strength)
         problem.set_time(time)
 
     return change

@@ -72,7 +72,9 @@ def load_scatter(
     """
     problem = load_steps.problem
     last, answer = recorded[-1]
-    if not any(contact.is_one_sided or contact.friction.rubs for contact in problem.contacts):
+    if not any(
+        contact.is_one_sided or contact.friction.has_friction for contact in problem.contacts
+    ):
         return dict.fromkeys(answer, 0.0)
     assert load_steps.last is not None
     edges = edges_inside(problem, load_steps.last.solution)

@@ -75,7 +75,7 @@ def pinned_friction(problem: Problem, solution: Solution) -> list[PinnedFriction
 
 def _sum(contact: ContactSurface, state: ContactState, holds: list[Array]) -> tuple[float, float]:
     """Of several directions at the body's nodes: force and area; collective."""
-    if not contact.friction.rubs:
+    if not contact.friction.has_friction:
         return 0.0, 0.0
     parts = [_unknown(contact, state, held[contact.nodes]) for held in holds]
     return sum(force for force, _ in parts), sum(area for _, area in parts)
@@ -120,7 +120,7 @@ def _unknown(contact: ContactSurface, state: ContactState, held: Array) -> tuple
     direction = along[pieces.points]
     lengths = np.linalg.norm(direction, axis=2, keepdims=True)
     direction = direction / np.where(lengths > 0, lengths, 1.0)
-    slip = contact.friction.counted(state.slip)[:count][pieces.points]
+    slip = contact.friction.effective_slip(state.slip)[:count][pieces.points]
     traction = state.friction_traction[:count][pieces.points]
     slips = _uses_much(contact, state)[pieces.points] & ~pinned[pieces.points]
     # Of each pinned corner the largest of what its slipping neighbours carry along it.

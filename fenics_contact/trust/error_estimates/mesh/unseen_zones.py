@@ -103,7 +103,7 @@ def _unseen_slip(problem: Problem, solution: Solution) -> dict[Hashable, float]:
 
 
 def _of_contact(contact: ContactSurface, state: ContactState) -> dict[str, float]:
-    if not contact.friction.rubs:
+    if not contact.friction.has_friction:
         return {}
     comm, trace, pieces = contact.trace.spaces.comm, contact.trace, contact.trace.pieces
     if largest(comm, (state.status == SLIP).astype(float)) > 0:

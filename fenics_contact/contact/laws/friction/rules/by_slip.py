@@ -68,7 +68,7 @@ class BySlip(FrictionRule):
         way = np.where(closed, np.linalg.norm(slip, axis=1), 0.0)
         return {"slip_so_far": self._slid + way}
 
-    def step_end_pulled_back(
+    def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
         """The step's part along its slip, and all of it to the slip before."""

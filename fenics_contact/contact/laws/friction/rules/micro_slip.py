@@ -56,7 +56,7 @@ class MicroSlip(Coulomb):
         """The elastic slip of points that touch."""
         return {"elastic_slip": np.where(closed[:, None], self.elastic(slip), 0.0)}
 
-    def step_end_pulled_back(
+    def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
         """Of the slip where it is no longer than l, else across it; and of l along it."""
@@ -69,7 +69,7 @@ class MicroSlip(Coulomb):
         of_slip *= (self._longest / np.maximum(size, self._longest))[:, None]
         return of_slip, {"regularisation_parameter": of_longest}
 
-    def carried_pulled_back(self, of_carried: Array) -> Mapping[str, Array]:
+    def vjp_carried_slip(self, of_carried: Array) -> Mapping[str, Array]:
         """It is the elastic slip."""
         return {"elastic_slip": of_carried}
 

@@ -43,7 +43,7 @@ class Nonlocal(Coulomb):
         self._follow_reach()
         return self.neighbours.apply(pressure)
 
-    def averaged_back(self, of_averaged: Array) -> Array:
+    def average_transposed(self, of_averaged: Array) -> Array:
         """By the transpose."""
         self._follow_reach()
         return self.neighbours.transposed(of_averaged)

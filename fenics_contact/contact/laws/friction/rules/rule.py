@@ -18,14 +18,22 @@ from dolfinx import fem
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.contact.laws.earlier_names import keep_earlier_names
 from fenics_contact.contact.laws.friction.rules.metric import SlipMetric
-from fenics_contact.contact.laws.law import are_said_together
+from fenics_contact.contact.laws.law import defined_in_same_class
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.results.point_arrays import PointArray
 from fenics_contact.scene.values import Value
+
+_EARLIER_NAMES = {
+    "pulled_back": "vjp",
+    "step_end_pulled_back": "vjp_state_update",
+    "carried_pulled_back": "vjp_carried_slip",
+    "averaged_back": "average_transposed",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +85,10 @@ class FrictionRule:
     state: ClassVar[tuple[PointArray, ...]] = ()
     follows_speed: ClassVar[bool] = False
 
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        keep_earlier_names(cls, _EARLIER_NAMES)
+
     def __init__(self, site: LawSite, normal: NormalLaw) -> None:
         self.site, self.normal = site, normal
         given = site.contact.friction_coefficient
@@ -106,7 +118,7 @@ class FrictionRule:
     @property
     def has_derivatives(self) -> bool:
         """Whether it says what the arrays that it keeps do to quantities of later load steps."""
-        return are_said_together(self, "at_step_end", "step_end_pulled_back")
+        return defined_in_same_class(self, "at_step_end", "vjp_state_update")
 
     @property
     def carried_slip(self) -> Array | float:
@@ -146,10 +158,10 @@ class FrictionRule:
         """
         return {}
 
-    def step_end_pulled_back(
+    def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
-        """What a quantity's derivatives in the arrays at the end are in slip and their begin.
+        """From a quantity's derivatives in the arrays at a step's end to those in what makes them.
 
         Args:
             slip: As of ``at_step_end``.
@@ -162,8 +174,8 @@ class FrictionRule:
         """
         return np.zeros_like(slip), {}
 
-    def carried_pulled_back(self, of_carried: Array) -> Mapping[str, Array]:
-        """What a quantity's derivatives in ``carried_slip`` are in the arrays that have it.
+    def vjp_carried_slip(self, of_carried: Array) -> Mapping[str, Array]:
+        """From a quantity's derivatives in ``carried_slip`` to those in the arrays of ``state``.
 
         Args:
             of_carried: Derivatives of the quantity, (points, components).
@@ -197,8 +209,8 @@ class FrictionRule:
         """
         return pressure
 
-    def averaged_back(self, of_averaged: Array) -> Array:
-        """What a quantity's derivatives in ``averaged`` are in the pressure; collective.
+    def average_transposed(self, of_averaged: Array) -> Array:
+        """From a quantity's derivatives in ``averaged`` to those in the pressure; collective.
 
         Args:
             of_averaged: At the points, (points,).
@@ -229,8 +241,8 @@ class FrictionRule:
         """
         return self.bound(pressure, **self._fields_in_ufl())
 
-    def pulled_back(self, pressure: Array, of_bound: Array) -> BoundGradient:
-        """What a quantity's derivatives in the bound are in what the bound follows from.
+    def vjp(self, pressure: Array, of_bound: Array) -> BoundGradient:
+        """From a quantity's derivatives in the bound to those in pressure and parameters.
 
         Collective.
 
@@ -241,7 +253,7 @@ class FrictionRule:
         points, values = self._at_points, {"pressure": self.averaged(pressure), **self._values}
         of_averaged = points.slope("pressure", **values) * of_bound
         return BoundGradient(
-            pressure=self.averaged_back(of_averaged),
+            pressure=self.average_transposed(of_averaged),
             fields={"averaged": of_averaged}
             | {name: points.slope(name, **values) * of_bound for name in self._values},
         )
@@ -261,3 +273,6 @@ class FrictionRule:
     @cached_property
     def _at_points(self) -> PointDensity:
         return point_density(self.bound, pressure=0, **dict.fromkeys(self._values, 0))
+
+
+keep_earlier_names(FrictionRule, _EARLIER_NAMES)
