@@ -49,6 +49,7 @@ from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.newton.solution_of_state import solution_of
 from fenics_contact.solve.newton.spring_control import SpringControl, run_far
 from fenics_contact.solve.newton.status_cycling import Chatter
+from fenics_contact.solve.newton.step_budget import StepBudget
 from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)
@@ -74,6 +75,7 @@ class Newton:
         softened: Whether the last solve took softer penalties first: its start is a bad one.
         limit: Imbalance that the last solve accepted as converged (force).
         stopped: Whether this rank was asked to stop; asked before every Newton step.
+        budget: How many more steps are allowed, if that is bounded.
     """
 
     def __init__(self, problem: Problem, system: System, timings: Timings) -> None:
@@ -103,6 +105,7 @@ class Newton:
         self._search: dict[str, Any] = ENERGY_SEARCH
         self._most: int | None = None
         self._own_options: list[str] = []
+        self.budget = StepBudget()
         self._spare = mumps.SPARE_WORKSPACE[0]
 
     def run(
@@ -220,6 +223,7 @@ class Newton:
         self.steps += self._steps_of_this_run
         accepted = len(self.imbalances) > self._before and self.imbalances[-1] <= self.limit
         if reason < 0 or not accepted:
+            self.budget.require_left()
             own, forces = self.imbalances[self._before :], self.system.forces
             words = not_converged(self.problem, own, forces, reason, self._chatter)
             raise NotConvergedError(words, tuple(self.imbalances))
@@ -350,6 +354,7 @@ class Newton:
         """
         imbalance = self.system.imbalance()
         self.imbalances.append(imbalance)
+        self.budget.count(iteration)
         if iteration >= _LONG:
             self._chatter.note()
         forces = self.system.forces
@@ -374,6 +379,8 @@ class Newton:
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS
         if self._searches and wanders and self._is_nearly_balanced:
             return NO_STEP_FOUND
+        if self.budget.is_used_up:
+            return GIVEN_UP
         own = self.imbalances[self._before :]
         if self.system.is_sprung and self._springs is None and run_far(own, self._first_forces):
             self._ran_far = True

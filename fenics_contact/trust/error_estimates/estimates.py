@@ -40,6 +40,10 @@ SOURCES = tuple(_WORDS)
 # Histories of at most so many steps are solved again without being asked for.
 _SHORT = 4
 
+# Newton steps that the estimate of a source may take over those of the answer: it solves four to
+# ten times for something else, mostly in fewer steps. An answer in few steps counts as one in more.
+_AT_MOST, _FEW = 20, 10
+
 # None where a source was not estimated.
 Errors = Mapping[Hashable, float] | None
 
@@ -65,6 +69,8 @@ class Estimates:
         self.local: LocalErrors | None = None
         self._parts = between_turns(self._times, knots(scene))
         self._of_cycles = OfCycles(cycles_of(scene), self._times)
+        self._own_steps = int(sum(step["newton_iterations"] for step in steps))
+        self._most = _AT_MOST * max(self._own_steps, _FEW)
         self._takes_all = self._wants_all or len(self._times) <= _SHORT
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
@@ -103,12 +109,19 @@ class Estimates:
         doing(f"{ESTIMATING} by {_WORDS[source]}")
         missing = f"The error by {_WORDS[source]} was not estimated"
         comm, before = self._problem.comm, len(self._notes)
-        found = attempt(comm, missing, estimate[source], None, self._notes)
+        with self._load_steps.newton.budget.of(self._most, self._used_up):
+            found = attempt(comm, missing, estimate[source], None, self._notes)
         if found is None and len(self._notes) > before:
             restore(self._load_steps)
         elif found is None:
             self._notes.append(f"{missing}: solving again with less of it did not converge.")
         return found
+
+    @property
+    def _used_up(self) -> str:
+        return (
+            f"it takes more than {self._most} Newton steps, and the answer took {self._own_steps}"
+        )
 
     def _not_here(self, source: str) -> str | None:
         """Why there is no estimate of a source, asked for or not; None where there is one."""

@@ -25,6 +25,8 @@ from fenics_contact import (
 from fenics_contact.cli.program import main
 from fenics_contact.cli.summary import print_result
 from fenics_contact.results.words.rounding import UNKNOWN, rounded
+from fenics_contact.solve.newton.step_budget import StepBudget
+from fenics_contact.trust.error_estimates import estimates
 from fenics_contact.trust.error_estimates.estimates import SOURCES
 from tests.report.page.pages import page_of
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
@@ -49,6 +51,32 @@ def without_errors(result):
     for part in parts:
         part.pop("errors", None)
     return {k: v for k, v in found.items() if k not in ("errors", "error_notes", "timings")}
+
+
+def test_an_estimate_takes_a_bounded_number_of_newton_steps(monkeypatch):
+    """What has no bar then says why; the answer is left as it is."""
+    scene, body = dragged(Steps(number=1)), block()
+    expected = solved(scene, body, "none")
+    taken, count = [], StepBudget.count
+    monkeypatch.setattr(StepBudget, "count", lambda *a: (taken.append(a[1] > 0), count(*a)))
+    whole = solved(scene, body, "auto")
+    own = whole.steps[0].newton_iterations
+    assert whole.error_notes == [] and sum(taken) > 3 * own
+    taken.clear()
+    monkeypatch.setattr(estimates, "_AT_MOST", 1)
+    monkeypatch.setattr(estimates, "_FEW", 2)
+    result = solved(scene, body, "auto")
+    most, without = max(own, 2), ["mesh", "step"]
+    assert sum(taken) <= own + len(SOURCES) * most
+    row = result.errors["normal_force"]
+    assert [source for source in SOURCES if row[source] is None] == without
+    assert row["total"] is None and result.passed
+    for source, note in zip(("mesh", "load steps"), result.error_notes, strict=True):
+        assert note == (
+            f"The error by the {source} was not estimated: it takes more than {most} Newton steps, "
+            f"and the answer took {own}."
+        )
+    assert without_errors(result) == without_errors(expected)
 
 
 def test_every_quantity_has_a_row_and_a_sum():
