@@ -33,9 +33,10 @@ from fenics_contact.mesh.geometry.file_kinds import (
     prepared,
 )
 from fenics_contact.mesh.size_field import SizeField
+from fenics_contact.mesh.soundness.between_files import BetweenFiles
 from fenics_contact.mesh.soundness.left_out import no_surface
 from fenics_contact.mesh.soundness.neighbours import Finding, Neighbours
-from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.scene import MeshSource
 
@@ -140,7 +141,8 @@ def _load_all(
     ]
     if len(sources) == 1:
         return mesh_join.with_name("mesh", sources[0], meshes[0])
-    return mesh_join.joined(sources, meshes)
+    made = mesh_join.joined(sources, meshes)
+    return _examined("mesh", made, _between(sources, meshes, made))
 
 
 def is_geometry(source: MeshSource) -> bool:
@@ -169,15 +171,25 @@ def _load(
     description, read = _read(key, source, dimension, sizes, curved, cuts)
     made = mesh_arrays.build(read, description, source, dimension, key)
     where = f"{key}.file = '{source.file}'"
-    findings = list(_findings(source, made))
-    for finding in findings:
-        if finding.is_wrong:
-            raise InputError(f"{where}: {finding.words}")
-    notes = [finding.words for finding in findings]
+    found = _examined(where, dataclasses.replace(made, notes=()), _findings(source, made))
     for relation in made.relations:
         if relation.kind == "overlapping":
             logger.warning("%s: %s", where, relation.words)
-    return dataclasses.replace(made, notes=tuple(f"{where}: {words}" for words in notes))
+    return found
+
+
+def _examined(where: str, mesh: MeshArrays, findings: Iterator[Finding]) -> MeshArrays:
+    """A mesh with notes of what was found in it.
+
+    Raises:
+        InputError: Something is wrong with it.
+    """
+    notes = list(mesh.notes)
+    for finding in list(findings):
+        if finding.is_wrong:
+            raise InputError(f"{where}: {finding.words}")
+        notes.append(f"{where}: {finding.words}")
+    return dataclasses.replace(mesh, notes=tuple(notes))
 
 
 def _findings(source: MeshSource, mesh: MeshArrays) -> Iterator[Finding]:
@@ -185,23 +197,38 @@ def _findings(source: MeshSource, mesh: MeshArrays) -> Iterator[Finding]:
     yield from (Finding(words, False) for words in mesh.notes)
     if is_geometry(source):
         return
-    groups = [
-        group
-        for group in (*mesh.groups.values(), *mesh.numbers.values())
-        if group.dimension < mesh.points.shape[1]
-    ]
-    if not groups:
+    if not _surfaces(mesh):
         yield Finding(no_surface(kind_of(source.file)), False)
-    yield from Neighbours(
-        mesh.cell,
-        mesh.points,
-        mesh.cells,
-        mesh.cell_tags,
-        mesh.elements,
-        mesh.facets,
-        mesh.facet_tags,
-        groups,
-    ).findings()
+    yield from Neighbours(**_of_neighbours(mesh)).findings()
+
+
+def _between(
+    sources: Sequence[MeshSource], meshes: Sequence[MeshArrays], joined: MeshArrays
+) -> Iterator[Finding]:
+    """Notes on what several meshes have in one place."""
+    names = [source.name or source.file for source in sources]
+    file_of_cell = np.repeat(np.arange(len(meshes)), [len(mesh.cells) for mesh in meshes])
+    return BetweenFiles(**_of_neighbours(joined), names=names, file_of_cell=file_of_cell).findings()
+
+
+def _of_neighbours(mesh: MeshArrays) -> dict[str, Any]:
+    """The arguments of ``Neighbours``."""
+    return {
+        "cell": mesh.cell,
+        "points": mesh.points,
+        "cells": mesh.cells,
+        "tags": mesh.cell_tags,
+        "elements": mesh.elements,
+        "facets": mesh.facets,
+        "facet_tags": mesh.facet_tags,
+        "groups": _surfaces(mesh),
+    }
+
+
+def _surfaces(mesh: MeshArrays) -> list[Group]:
+    """Groups of facets."""
+    groups = (*mesh.groups.values(), *mesh.numbers.values())
+    return [group for group in groups if group.dimension < mesh.points.shape[1]]
 
 
 def load_to_look(source: MeshSource) -> tuple[MeshArrays, dict[str, Any]]:

@@ -137,10 +137,9 @@ class Neighbours:
         if len(same):
             row = same[0]
             other = cells[row, 1] if cells[row, 1] != row else cells[row, 0]
-            first, second = sorted((int(self.elements[row]), int(self.elements[other])))
             place = self._place(self._middles[row])
             yield Finding(
-                f"the elements {first} and {second} lie in one place, at {place}, each "
+                f"{self._both(row, other)} lie in one place, at {place}, each "
                 f"with nodes of its own ({len(same)} cells are such): the same body is there "
                 "twice; remove one of the two",
                 True,
@@ -151,6 +150,7 @@ class Neighbours:
         first, second = self._facets_in_one_place()
         named = self._named
         unnamed = ~(named[first] | named[second])
+        unnamed &= self._are_compared(self._owner[first], self._owner[second])
         one, two = self._owner[first[unnamed]], self._owner[second[unnamed]]
         is_one_body = (self._pieces[one] == self._pieces[two]) | (self.tags[one] == self.tags[two])
         for is_wrong in (True, False):
@@ -160,8 +160,8 @@ class Neighbours:
             row, other = one[chosen[0]], two[chosen[0]]
             place = self._place(self.points[self._outer[first[unnamed][chosen[0]]]].mean(axis=0))
             words = (
-                f"the elements {self.elements[row]} and {self.elements[other]} lie against each "
-                f"other at {place}, and share no nodes there ({len(chosen)} such facets)"
+                f"{self._both(row, other)} lie against each other at {place}, and share no nodes "
+                f"there ({len(chosen)} such facets)"
             )
             if is_wrong:
                 words += (
@@ -267,9 +267,9 @@ class Neighbours:
         own, other = own[keep], other[keep]
         inside = self._depths(other, self._middles[own]) > _ONE_PLACE
         if inside.any():
-            first, second = self.elements[own[inside][0]], self.elements[other[inside][0]]
+            first, second = self._one(own[inside][0]), self._one(other[inside][0])
             yield Finding(
-                f"the middle of the element {first} lies in the element {second}, of another body "
+                f"the middle of {first} lies in {second}, of another body "
                 f"({inside.sum()} such cells): the bodies overlap by more than half a cell",
                 False,
             )
@@ -319,6 +319,19 @@ class Neighbours:
         warp = np.abs(np.einsum("cfd,cfnd->cfn", normals, at - origin[:, :, None])).max(axis=(1, 2))
         depth = np.einsum("cfd,cfd->cf", normals, points[:, None] - origin).min(axis=1)
         return np.asarray((depth - 2 * warp) / self._sizes[cells])
+
+    def _one(self, cell: int) -> str:
+        """A cell in words."""
+        return f"the element {self.elements[cell]}"
+
+    def _both(self, cell: int, other: int) -> str:
+        """Two cells in words."""
+        first, second = sorted((int(self.elements[cell]), int(self.elements[other])))
+        return f"the elements {first} and {second}"
+
+    def _are_compared(self, cells: Integers, others: Integers) -> Flags:
+        """Which pairs of cells are looked at."""
+        return np.ones(len(cells), dtype=bool)
 
     def _place(self, point: Array) -> str:
         return f"({', '.join(f'{value:g}' for value in point)})"
