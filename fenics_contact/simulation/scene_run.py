@@ -440,6 +440,8 @@ class Run:
         asked = verdict.asked_too_much(self.problem, self.solution, tried, reached)
         why = asked or str(error)
         words = verdict.unconverged(why, self.scene.load_steps, tried, reached)
+        if self.solution is not None:
+            words += verdict.facets_too_straight(self.problem, self.solution)
         return self._stopped_short(words, [*self.steps, step])
 
     def _interrupted(self) -> Result:
