@@ -14,8 +14,8 @@ class Derivative(Record):
     Attributes:
         value: Of a parabola fitted to slopes in a window, of areas their mean, in which the edges
             of contact and of stick move by about a cell; null where there is none.
-        spread: How far derivatives of single answers in the window lie from it; null without a
-            window as wide as a cell.
+        spread: How far derivatives of single answers in the window lie from it; null
+            without a window as wide as a cell, unless they differ by more than a tenth in it.
         discrete: Exact derivative of the discrete answer, automatic parameters held; null of areas
             and radii.
         normalised: The value times the number over the quantity: percent of the one for a percent

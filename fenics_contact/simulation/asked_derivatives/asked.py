@@ -16,6 +16,9 @@ from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 
+# Of a derivative: a spread of single answers that tells of jumps, however narrow their window is.
+_TELLS = 0.1
+
 
 def keys_asked_of(problem: Problem) -> list[str]:
     """Keys of the numbers in which a scene asks for derivatives; collective.
@@ -94,8 +97,10 @@ def _derivative(
     value = spread = None
     if mean is not None:
         value = mean.value
-    if mean is not None and not mean.of_single_answers:
         spread = max(mean.spread, 0.0 if discrete is None else abs(discrete - mean.value))
+        # In a window narrower than a cell a small one says nothing: jumps may lie beside it.
+        if mean.of_single_answers and spread <= _TELLS * abs(mean.value):
+            spread = None
     best = discrete if value is None else value
     return Derivative(
         value=value,

@@ -25,6 +25,8 @@ from fenics_contact import (
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.words.derivatives import notes_on_derivatives
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.simulation.asked_derivatives.asked import _derivative
+from fenics_contact.simulation.asked_derivatives.means import Mean
 from fenics_contact.simulation.asked_derivatives.windows import Window
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.scene_run import Run
@@ -140,6 +142,15 @@ def test_friction_under_a_given_shift_follows_the_coefficient():
     expected = float((8 * nearest - next_ones)[0]) / (12 * step)
     found = result.derivatives["friction_force_x"][MU]
     assert found.value == pytest.approx(expected, rel=0.02) and not found.of_single_answers
+
+
+def test_single_answers_that_differ_have_a_spread():
+    """In a window narrower than a cell a small spread says nothing, a large one that they jump."""
+    jumps = _derivative(Mean(1.79, 0.4, True), 3.76, 1.0, False)
+    assert jumps.of_single_answers and jumps.spread == pytest.approx(3.76 - 1.79)
+    assert _derivative(Mean(1.79, 0.4, True), 1.8, 1.0, False).spread == 0.4
+    assert _derivative(Mean(1.79, 0.01, True), 1.8, 1.0, False).spread is None
+    assert _derivative(Mean(1.79, 0.01, False), 1.8, 1.0, False).spread == pytest.approx(0.01)
 
 
 def test_where_no_window_is_wide_enough_it_is_said():
