@@ -43,6 +43,10 @@ _PIECES = 8.0
 # piece where one of them is passed, and all of it where two are. Not of more than this share of the
 # way, over which t^1.5 itself is 3e-4 beside the polynomial.
 _WAVES, _FAR = 2.0, 0.75
+# Where that is too short: of degree 2 nodes at the ends of facets and in their middle differ, so
+# that waves are as long as facets. Of few that are seen so much is left; no less counts, as it
+# tells too little.
+_SEEN, _LEFT, _LEAST = (0.75, 1.0, 1.25, 1.5), (0.13, 0.34, 0.64, 1.0), 0.45
 # Of the polynomial in pseudo-time: t^1.5, Hertz's force, differs by 1e-6 from one over the span.
 _DEGREE = 3
 # Answers at the least: two more than the polynomial has coefficients.
@@ -81,7 +85,8 @@ def load_scatter(
     if not edges:
         return dict.fromkeys(answer, 0.0)
     pairs = zip(problem.contacts, load_steps.last.solution.states, strict=True)
-    spans = _spans(load_steps, piece_share(pairs), [time for time, _ in recorded])
+    piece = piece_share(pairs)
+    spans = _spans(load_steps, piece, [time for time, _ in recorded])
     looked_at = [(span, _over(span, load_steps, measure, recorded, edges)) for span in spans]
     still, far_still = (
         standing(edges, [found for _, found in rows]) for _, rows in (looked_at[0], looked_at[-1])
@@ -93,6 +98,9 @@ def load_scatter(
         if not enough and len(still) < len(edges):
             return None
         found += [_about_polynomials(rows, (last, span)) for span, rows in enough]
+        if found and enough[-1][0] == spans[-1] and _WAVES * piece > _FAR:
+            left = _left_of_waves(problem, edges, enough[-1][1])
+            found[-1] = {key: error / left for key, error in found[-1].items()}
     if still:
         shifted = shifted_answers(load_steps, measure, still)
         if shifted and len(shifted) < _ENOUGH:
@@ -216,6 +224,20 @@ def _about_polynomials(
         left = values - smooth @ values
         scatter[key] = float(np.sqrt((left**2).sum() / (len(rows) - _DEGREE - 1)))
     return scatter
+
+
+def _left_of_waves(
+    problem: Problem, edges: Sequence[Edge], rows: Sequence[tuple[float, Quantities]]
+) -> float:
+    """What a polynomial leaves of the waves that facets make, at the least of what counts.
+
+    Args:
+        problem: The model.
+        edges: That pass through facets.
+        rows: Pseudo-times and quantities, those of the end first.
+    """
+    passed = max(edge.moved(rows[0][1], found) for edge in edges for _, found in rows)
+    return max(_LEAST, float(np.interp(passed / problem.spaces.degree, _SEEN, _LEFT)))
 
 
 def piece_share(pairs: Iterable[tuple[ContactSurface, ContactState]]) -> float:

