@@ -19,7 +19,8 @@ class ContactPoints:
         coordinates: Undeformed, shape (points, 3) (length).
         normals: Outward unit normals of the body, (points, 3).
         gap: Normal distance to the obstacle, > 0 open (length).
-        contact_pressure: ≥ 0 (stress).
+        contact_pressure: Of the law at the point, ≥ 0; on quadratic triangles single ones may be
+            larger than what the facets carry, which ``max_contact_pressure`` is of (stress).
         friction_traction: Tangential traction on the body, (points, 3) (stress).
         slip: Tangential displacement relative to the obstacle, (points, 3) (length).
         status: OPEN, STICK or SLIP.
