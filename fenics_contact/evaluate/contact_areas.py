@@ -98,21 +98,22 @@ def _may_open(contact: ContactSurface) -> bool:
 
 def cut_areas(contact: ContactSurface, state: ContactState) -> tuple[float, float]:
     """Areas of the pieces that the edges of contact and of stick pass through; collective."""
-    pieces = contact.trace.pieces
-    cut = [pieces.measures[found].sum() for found in _cut_pieces(contact, state)]
-    touching, sticking = total(contact.trace.spaces.comm, np.array(cut))
+    measures = contact.trace.pieces.measures
+    cut = [measures[found].sum() for found in _cut_pieces(contact, state)]
+    touching, sticking = _once(contact) * total(contact.trace.spaces.comm, np.array(cut))
     return float(touching), float(sticking)
 
 
 def areas_inside(contact: ContactSurface, state: ContactState) -> tuple[Array, Array]:
-    """Of each piece of this rank, the area that is in contact and that sticks, (pieces,)."""
+    """Area of each piece of this rank in contact, and that sticks, (pieces,); collective."""
     zones = Zones(contact, state)
     nothing = np.zeros(len(contact.trace.pieces.areas))
     touching, sticking = (
         nothing if zone is None else _counted(contact, zone)
         for zone in (zones.touching, zones.sticking)
     )
-    return touching, sticking
+    once = _once(contact)
+    return once * touching, once * sticking
 
 
 def edges(contact: ContactSurface, state: ContactState) -> list[Array]:
@@ -147,11 +148,17 @@ def _area(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float:
     trace = contact.trace
     if zone is None:
         return float(trace.integral(np.where(inside, 1.0, 0.0)))
-    areas = trace.pieces.measures
-    # Relative to what the pieces have in all: these are flat, and the surface may not be.
-    counted = _counted(contact, zone).sum()
-    found, every = total(trace.spaces.comm, np.array([counted, areas.sum()]))
-    return trace.area * float(found / every)
+    # Pieces are flat, and the surface may not be.
+    return _once(contact) * float(total(trace.spaces.comm, _counted(contact, zone).sum()))
+
+
+def _once(contact: ContactSurface) -> float:
+    """Over what its pieces have in all, the area of a surface; collective.
+
+    Those of quadrilaterals in space cover them twice.
+    """
+    trace = contact.trace
+    return trace.area / float(total(trace.spaces.comm, trace.pieces.measures.sum()))
 
 
 def _counted(contact: ContactSurface, zone: Zone) -> Array:
