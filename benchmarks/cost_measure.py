@@ -20,7 +20,7 @@ from cost_solves import (
 )
 
 from fenics_contact.common.parallel import total
-from fenics_contact.evaluate.quantities import contact_quantities
+from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.memory import contact_unknowns, unknowns
 from fenics_contact.solve.newton.solution import Solution

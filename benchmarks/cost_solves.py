@@ -11,12 +11,9 @@ from typing import Any
 from fenics_contact.common.parallel import largest
 from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
+from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.quantities import (
-    contact_quantities,
-    global_quantities,
-    support_records,
-)
+from fenics_contact.evaluate.quantities import global_quantities, support_records
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.load_steps import LoadSteps

@@ -12,10 +12,16 @@ from rich.table import Table
 from fenics_contact.cli.cycle_plan import cycle_plan
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
+from fenics_contact.quantities.names import REACTION
+from fenics_contact.quantities.table import with_true_value
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.check_messages import compares, title
 from fenics_contact.results.load_history import newton_steps
-from fenics_contact.results.quantities import QUANTITIES, idle_quantities, measured_by_parameter
+from fenics_contact.results.quantities import (
+    idle_quantities,
+    measured_by_parameter,
+    secondary_quantities,
+)
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.units import UnitsRecord
@@ -50,9 +56,6 @@ _IN_WORDS = {
 }
 # Those that say something only where there are motions that supports leave to friction.
 _OF_FREE_MOTIONS = ("free_rigid_motions", "used_share_of_limit_load")
-# Quantities in the order shown; the others are in the files.
-_HIDDEN = ("pressure_integral", "contact_force", "external_work", "penalty_energy")
-_SHOWN = [name for name in QUANTITIES if name not in _HIDDEN]
 # Parameters of a contact that come first in its line; those that do not apply are zero or missing.
 _PARAMETERS = (
     "pressure",
@@ -215,7 +218,7 @@ def _print_quantities(console: Terminal, result: Result) -> None:
     rows = []
     for key in _shown(result):
         rows += quantity_rows(result, key)  # of a resultant, contact by contact
-        if key == "reaction" and len(result.reactions) > 1:
+        if key == REACTION and len(result.reactions) > 1:
             rows += [row._replace(name=f"  of {row.name}") for row in reaction_rows(result)]
     for row in [*rows, *preload_rows(result)]:
         shown = [row.bar] * len(bars) + [row.unit] * len(units)
@@ -278,9 +281,8 @@ def _shown(result: Result) -> list[str]:
     """The quantities that say something about the contacts of a result."""
     hidden = idle_quantities(result.contacts)
     points = [key for key in result.quantities if key.startswith("displacement_")]
-    shown = [key for key in _SHOWN if key in result.quantities and key not in hidden]
-    if any(contact.quantities["normal_force"] is None for contact in result.contacts):
-        shown.insert(1, "pressure_integral")
+    hidden |= secondary_quantities(result.contacts)
+    shown = [name for name in with_true_value() if name in result.quantities.keys() - hidden]
     return shown + points
 
 

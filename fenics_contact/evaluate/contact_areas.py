@@ -1,4 +1,4 @@
-"""Areas in contact and sticking, with the edge of the zone found inside the elements.
+"""Areas in contact and sticking, and their radii, with the edge found inside the elements.
 
 The surface is cut into segments or triangles between contact points. Where one end of
 a segment is inside the zone and the other outside, the edge lies in between. On soft
@@ -7,6 +7,9 @@ asymptotic fields of a smooth edge tell (K. L. Johnson, Contact Mechanics, Cambr
 chapters 4, 7 and appendix 1): at distance δ from it the pressure is C √δ inside and the gap
 4C/(3E*) δ^(3/2) outside; likewise what friction could carry more, g − |σ_T|, where it sticks,
 and the slip where it slips.
+
+Radii are about the axis of revolution, of the disc at the axis: a ring that touches farther out
+does not count.
 """
 
 from __future__ import annotations
@@ -17,12 +20,16 @@ from functools import cached_property
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.common.parallel import total
+from fenics_contact.common.parallel import gather_rows, largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, STICK, ContactState
+from fenics_contact.quantities.names import CONTACT_RADIUS, STICK_RADIUS
 
 # Foundations softer than this × E*/h let the depth be linear across the edge.
 _SOFT = 10.0
+
+# A surface reaches the axis whose smallest radius is this share of its size.
+_ON_AXIS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,3 +243,43 @@ def _asymptotic_edges(stress: Array, distance: Array, modulus: float, length: Ar
     kappa = (0.75 * modulus * distance / (np.where(carries, stress, 1.0) * length)) ** (2 / 3)
     root = 2 * np.sqrt(kappa / 3) * np.sinh(np.arcsinh(1.5 / kappa * np.sqrt(3 / kappa)) / 3)
     return np.where(carries, root**3, 0.0)
+
+
+def radii(zones: Zones) -> dict[str, float | None]:
+    """``contact_radius`` and ``stick_radius`` of a surface that reaches the axis; collective.
+
+    Returns:
+        Nothing where the model has no axis, or the surface does not reach it. A radius is 0 where
+        nothing touches, or sticks, and None where that does but not at the axis.
+    """
+    contact, trace = zones.contact, zones.contact.trace
+    if contact.spaces.kinematics != "axisymmetric":
+        return {}
+    nearest = smallest(contact.spaces.comm, trace.surface.coordinates[:, 0])
+    if nearest > _ON_AXIS * trace.extent():
+        return {}
+    return {
+        CONTACT_RADIUS: _radius(contact, zones.closed, zones.touching),
+        STICK_RADIUS: _radius(contact, zones.sticks, zones.sticking),
+    }
+
+
+def _radius(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float | None:
+    """Of the edge nearest to the axis, if what it encloses is inside; collective."""
+    comm, pieces = contact.spaces.comm, contact.trace.pieces
+    flags = inside[pieces.points]
+    cut = np.flatnonzero(flags[:, 0] != flags[:, 1])
+    first = np.where(flags[cut, 0], 0, 1)  # the end that is inside
+    rows = np.arange(len(cut))
+    points, corners = pieces.points[cut], pieces.corners[cut]
+    inner, outer = points[rows, first], points[rows, 1 - first]
+    ends = corners[rows, first], corners[rows, 1 - first]
+    reach = np.full(len(cut), 0.5)
+    if zone is not None:
+        reach = edge_places(contact, zone, inner, outer, ends)
+    start, end = ends[0][:, 0], ends[1][:, 0]
+    edges = gather_rows(comm, np.column_stack([start + reach * (end - start), end > start]))
+    if len(edges) == 0:  # all of the surface, or nothing
+        return largest(comm, contact.trace.coordinates[inside, 0])
+    radius, encloses = edges[np.argmin(edges[:, 0])]
+    return float(radius) if encloses else None

@@ -13,6 +13,12 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
+from fenics_contact.quantities.names import (
+    CONTACT_FORCE,
+    FRICTION_FORCE,
+    NORMAL_FORCE,
+    PRESSURE_INTEGRAL,
+)
 
 
 def resultants(
@@ -35,10 +41,10 @@ def resultants(
         of_pressure[0] = 0.0
     axis = contact.axis
     return {
-        "normal_force": None if axis is None else float(of_pressure @ axis),
-        "pressure_integral": float(trace.integral(state.contact_pressure)),
-        "friction_force": (of_friction + 0.0).tolist(),  # no −0
-        "contact_force": (of_pressure + of_friction + 0.0).tolist(),
+        NORMAL_FORCE: None if axis is None else float(of_pressure @ axis),
+        PRESSURE_INTEGRAL: float(trace.integral(state.contact_pressure)),
+        FRICTION_FORCE: (of_friction + 0.0).tolist(),  # no −0
+        CONTACT_FORCE: (of_pressure + of_friction + 0.0).tolist(),
     }
 
 

@@ -20,6 +20,12 @@ from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.problem.inertia.inertia import Inertia
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import (
+    EXTERNAL_WORK,
+    FRICTION_WORK,
+    PENALTY_ENERGY,
+    STRAIN_ENERGY,
+)
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
 
@@ -32,8 +38,8 @@ _MOST_OPEN = 0.1
 
 _OF_OBSTACLES = ("pressures", "frictions", "motions")
 _SUMS = ("work", "done", "round_off", "left_open", "changed")
-_STORED = ("strain_energy", "penalty_energy", "elastic_slip_energy", "kinetic_energy")
-_LOST = ("friction_work", "damping_work")
+_STORED = (STRAIN_ENERGY, PENALTY_ENERGY, "elastic_slip_energy", "kinetic_energy")
+_LOST = (FRICTION_WORK, "damping_work")
 
 
 @dataclass(frozen=True)
@@ -210,7 +216,7 @@ class EnergyBook:
             return {}  # of a single step, the work of the final forces is given
         defect = self._first + self.work - _sum(quantities, (*_STORED, *_LOST))
         balance = {"energy_defect": defect} if self.applies else {}
-        return {"external_work": self.work, **balance}
+        return {EXTERNAL_WORK: self.work, **balance}
 
     def check(self, quantities: Mapping[str, Any]) -> Check | None:
         """|defect| over the work done; None without a path.

@@ -9,6 +9,7 @@ import numpy as np
 
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import CONTACT_FORCE, FRICTION_FORCE
 from fenics_contact.results.result import Check
 
 # Round-off of sums over the body, of the impulses and momenta that are added up.
@@ -50,8 +51,8 @@ class MomentumBook:
         """
         size = forces.inertia.size
         for number, found in enumerate(contacts):
-            friction = np.array(found["friction_force"])
-            pressed = np.array(found["contact_force"]) - friction
+            friction = np.array(found[FRICTION_FORCE])
+            pressed = np.array(found[CONTACT_FORCE]) - friction
             mean = 0.5 * (self._last[number] + pressed) + friction
             self._last[number] = pressed
             self.impulses[number] += size * mean
@@ -102,4 +103,4 @@ class MomentumBook:
         self.worst, self.part, self._accepted = float(few[0]), int(few[1]), float(few[2])
         self.impulses = impulses.reshape(self.impulses.shape)
         for number, found in enumerate(contacts):
-            self._last[number] = np.subtract(found["contact_force"], found["friction_force"])
+            self._last[number] = np.subtract(found[CONTACT_FORCE], found[FRICTION_FORCE])

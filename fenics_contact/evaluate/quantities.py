@@ -2,106 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.common.parallel import gather_rows, largest, total
-from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
-from fenics_contact.evaluate.contact_areas import Zones, contact_area, stick_area
-from fenics_contact.evaluate.contact_radii import radii
-from fenics_contact.evaluate.contact_resultants import resultants
+from fenics_contact.common.parallel import gather_rows, total
+from fenics_contact.contact.state import OPEN, SLIP, STICK
 from fenics_contact.evaluate.needed_forces import NeededForces, own_dofs
-from fenics_contact.evaluate.recovered_pressure import pressure_of_facets
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, STRAIN_ENERGY
+from fenics_contact.quantities.quantity import Quantity, Together
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.point_arrays import WRITTEN
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 from fenics_contact.solve.newton.solution import Solution
-
-
-def contact_quantities(problem: Problem, solution: Solution, number: int) -> dict[str, Any]:
-    """The interface's quantities of one contact, by its number in scene order; collective."""
-    contact = problem.contacts[number]
-    comm = contact.spaces.comm
-    state = solution.states[number]
-    zones = Zones(contact, state)
-    closed = contact_area(zones)
-    sticking = min(stick_area(zones), closed)
-    depth = np.where(np.isfinite(state.gap), -state.gap, 0.0)
-    slip = np.linalg.norm(state.slip[state.status != OPEN], axis=1)
-    return {
-        **resultants(contact, state, solution.friction_force[number]),
-        "max_contact_pressure": largest(comm, pressure_of_facets(contact, state)),
-        "contact_area": closed,
-        "stick_area": sticking,
-        "slip_area": closed - sticking,
-        **radii(zones),
-        "max_penetration": max(largest(comm, depth), 0.0) if contact.is_one_sided else 0.0,
-        "max_slip": largest(comm, slip),
-        "friction_work": contact.work.of_friction(state),
-        "penalty_energy": float(contact.trace.integral(state.penalty_energy)),
-        **contact.wear.quantities(state),
-        **_stored_along(contact, state),
-        **_undecided(contact, state),
-        **_of_two_bodies(contact, state),
-        **_motion(problem, contact),
-    }
-
-
-def _of_two_bodies(contact: ContactSurface, state: ContactState) -> dict[str, float]:
-    """How far they slid, over the contact's size, and the widest gap that closed; collective.
-
-    The slip is since it was found what faces what, the gap that of the meshes.
-    """
-    if contact.sides.opposite is None:
-        return {}
-    gap = np.abs(contact.kinematics.gap[state.status != OPEN])
-    return {**slid(contact), "closed_gap": largest(contact.spaces.comm, gap)}
-
-
-def slid(contact: ContactSurface) -> dict[str, float]:
-    """How far two bodies slid since it was found what faces what, if they do; collective."""
-    if contact.sides.opposite is None:
-        return {}
-    return {"slip_since_pairing": contact.slid_share()}
-
-
-def _stored_along(contact: ContactSurface, state: ContactState) -> dict[str, float]:
-    """Energy of elastic slip, where friction has such; collective."""
-    if not contact.friction.stores_energy:
-        return {}
-    return {"elastic_slip_energy": contact.work.in_elastic_slip(state)}
-
-
-def _undecided(contact: ContactSurface, state: ContactState) -> dict[str, int]:
-    """How many points slip by less than 2ε: with an ε twice as large they may stick.
-
-    A point that sticks creeps by ε times the share of its bound that it carries, whatever ε:
-    that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
-    """
-    if not contact.friction.has_regularisation:
-        return {}
-    slip = np.linalg.norm(contact.friction.scaled_slip(state.slip), axis=1)
-    slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
-    near = slips & (slip < 2 * contact.regularisation_parameter)
-    return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}
-
-
-def _motion(problem: Problem, contact: ContactSurface) -> dict[str, Any]:
-    """How far an obstacle went in, and besides; nothing where there is none, or no datum."""
-    obstacle, kinematics = contact.contact.obstacle, contact.kinematics
-    if obstacle is None:
-        return {}
-    found: dict[str, Any] = {}
-    if problem.has_datum:
-        found["indentation"] = kinematics.brought_up + kinematics.indentation
-    if obstacle.displacement is not None:
-        found["obstacle_displacement"] = kinematics.displacement.tolist()
-    return found
 
 
 def support_records(forces: NeededForces) -> list[SupportRecord]:
@@ -166,11 +83,11 @@ def global_quantities(forces: NeededForces, contacts: list[dict[str, Any]]) -> d
     work += sum(state.force * state.shortening for state in solution.preloads)
     made = of_all_contacts(contacts)
     return {
-        **{key: made[key] for key in OF_ONE_CONTACT},
-        "reaction": forces.of_all_supports.tolist(),
+        **{name: made[name] for name in table.resultants_of_contacts()},
+        REACTION: forces.of_all_supports.tolist(),
         **made,
-        "strain_energy": forces.strain_energy,
-        "external_work": float(work),
+        STRAIN_ENERGY: forces.strain_energy,
+        EXTERNAL_WORK: float(work),
         **forces.at_points(),
     }
 
@@ -181,36 +98,33 @@ def of_all_contacts(contacts: list[dict[str, Any]]) -> dict[str, Any]:
     Args:
         contacts: Of each contact.
     """
-    summed = ("contact_area", "stick_area", "slip_area", "friction_work", "penalty_energy")
-    greatest = ("max_contact_pressure", "max_penetration", "max_slip")
     return {
-        **{key: contacts[0][key] if len(contacts) == 1 else None for key in OF_ONE_CONTACT},
-        **{key: max((c[key] for c in contacts), default=0.0) for key in greatest},
-        **{key: float(sum(c[key] for c in contacts)) for key in summed},
-        **_of_some(contacts),
-        **_of_the_only(contacts),
+        row.name: _together(row, [found[row.name] for found in contacts if row.name in found])
+        for row in table.every()
+        if row.together in _WAYS and _has(row, contacts)
     }
 
 
-def _of_some(contacts: list[dict[str, Any]]) -> dict[str, Any]:
-    """Of the whole model what only some contacts have, such as those that wear."""
-    found: dict[str, Any] = {}
-    summed = ("worn_volume", "worn_volume_on", "worn_volume_against", "elastic_slip_energy")
-    greatest = ("max_wear_depth", "max_wear_depth_on", "max_wear_depth_against")
-    for name in (*summed, *greatest):
-        together = sum if name in summed else max
-        have = [contact[name] for contact in contacts if name in contact]
-        found |= {name: float(together(have))} if have else {}
-    return found
+_WAYS: dict[Together, Callable[[Sequence[Any]], Any]] = {
+    Together.OF_THE_ONLY: lambda found: found[0] if len(found) == 1 else None,
+    Together.OF_THE_ONE: lambda found: found[0],
+    Together.SUM: lambda found: float(sum(found)),
+    Together.LARGEST: lambda found: float(max(found, default=0.0)),
+}
 
 
-def _of_the_only(contacts: list[dict[str, Any]]) -> dict[str, Any]:
-    """Quantities of the whole model that not every contact has, where one contact has them."""
-    found: dict[str, Any] = {}
-    for name in ("contact_radius", "stick_radius", "indentation"):
-        have = [contact[name] for contact in contacts if name in contact]
-        found |= {name: have[0]} if len(have) == 1 else {}
-    return found
+def _together(row: Quantity, found: Sequence[Any]) -> Any:
+    """What the values of contacts make of a quantity."""
+    assert row.together is not None
+    return _WAYS[row.together](found)
+
+
+def _has(row: Quantity, contacts: list[dict[str, Any]]) -> bool:
+    """Whether the whole model has a quantity: also without contacts, unless only some have it."""
+    have = sum(row.name in found for found in contacts)
+    if row.together is Together.OF_THE_ONE:
+        return have == 1
+    return have > 0 or not row.is_of_some
 
 
 def contact_points(problem: Problem, solution: Solution) -> ContactPoints:

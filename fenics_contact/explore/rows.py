@@ -8,20 +8,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import REACTION
+from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value, measured_by
 from fenics_contact.results.contact_points import ContactPoints
-from fenics_contact.results.quantities import (
-    ALL,
-    MEASURED_BY_PRELOADS,
-    has_true_value,
-    idle_quantities,
-    measured_by,
-)
+from fenics_contact.results.quantities import idle_quantities
 from fenics_contact.results.records.contacts import ContactRecord, PreloadRecord
 from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
 from fenics_contact.results.result import Result
 from fenics_contact.results.words.rounding import rounded, sizes_of
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
+from fenics_contact.scene.quantity_names import OF_PRELOADS
 from fenics_contact.simulation.studies.quick_answers import Answer
 
 # What a row says where bars are made when one lets go.
@@ -98,7 +95,7 @@ def rows_of(
                 f"reaction of {one_line(name)}",
                 "force",
                 reaction.reaction,
-                "reaction",
+                REACTION,
                 reaction.errors,
             )
         )
@@ -112,7 +109,8 @@ def rows_of(
 
 
 def _needs_friction(name: str) -> bool:
-    return any(one.name == name and one.needs == "friction" for one in ALL)
+    row = table.find(name)
+    return row is not None and row.needs == "friction"
 
 
 class _Rows:
@@ -121,7 +119,7 @@ class _Rows:
     def __init__(self, units: UnitsRecord, numbers: Numbers, idle: set[str]) -> None:
         self._units, self._numbers, self._idle = units, numbers, idle
         self._sizes = sizes_of(numbers.quantities, numbers.contacts)
-        self._order = {one.name: place for place, one in enumerate(ALL)}
+        self._order = {one.name: place for place, one in enumerate(table.every())}
 
     def of(self, owner: str, quantities: Quantities, errors: Errors) -> Iterator[list[str]]:
         """Those of the whole model, or of a contact among several."""
@@ -131,7 +129,7 @@ class _Rows:
             value = quantities[name]
             if value is None or name in self._idle or not has_true_value(name):
                 continue
-            if not owner and several and name in OF_ONE_CONTACT:
+            if not owner and several and name in table.resultants_of_contacts():
                 continue
             words = name.replace("_", " ") + (f" of {one_line(owner)}" if owner else "")
             yield self.row(words, measured_by(name), value, name, errors)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.quantities.names import EXTERNAL_WORK, FRICTION_WORK
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.cycles import (
@@ -108,7 +109,7 @@ def _passed_over(history: History, cycles: Cycles) -> CyclesRecord:
                 errors={"total": None},
             )
         )
-    works = [step.quantities["friction_work"] for step in (history.steps[0], history.steps[-1])]
+    works = [step.quantities[FRICTION_WORK] for step in (history.steps[0], history.steps[-1])]
     return CyclesRecord(
         kind="",
         closed_in=None,
@@ -155,16 +156,16 @@ def _cycle(
         return float(last.quantities[name] - (before.quantities[name] if before else 0.0))
 
     lost = {
-        contact.name: contact.quantities["friction_work"]
-        - (before.contacts[number].quantities["friction_work"] if before else 0.0)
+        contact.name: contact.quantities[FRICTION_WORK]
+        - (before.contacts[number].quantities[FRICTION_WORK] if before else 0.0)
         for number, contact in enumerate(last.contacts)
     }
     cycle, unknown = last.cycle.number, {"total": None}
     return CycleRecord(
         **_as_said(last.cycle),
         steps=[begin + 2, end + 1],
-        loss=since("friction_work"),
-        work=since("external_work"),
+        loss=since(FRICTION_WORK),
+        work=since(EXTERNAL_WORK),
         contacts=lost,
         loops=[_loop(drive, begin, end) for drive in drives],
         errors=errors.get(LossOfCycle(cycle), unknown),

@@ -10,8 +10,8 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fenics_contact.quantities import table
 from fenics_contact.results.records.record import Quantities
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 # What cannot be told from what was written.
 _NOT_KNOWN = ("pressure_integral", "contact_force", "max_slip")
@@ -73,14 +73,14 @@ def _of_model(found: Mapping[str, Any], signs: Signs, axisymmetric: bool) -> dic
     quantities = found["quantities"]
     if quantities and "pressure_integral" not in quantities:
         only = contacts[0]["quantities"] if len(contacts) == 1 else {}
-        resultants = {key: only.get(key) for key in OF_ONE_CONTACT}
+        resultants = {key: only.get(key) for key in table.resultants_of_contacts()}
         radii = {key: only[key] for key in _RADII if key in only}
         quantities = (
             resultants
             | {
                 key: None if key in _NOT_KNOWN else value
                 for key, value in quantities.items()
-                if key not in OF_ONE_CONTACT
+                if key not in table.resultants_of_contacts()
             }
             | radii
         )

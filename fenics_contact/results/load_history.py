@@ -8,6 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    FRICTION_FORCE,
+    INDENTATION,
+    NORMAL_FORCE,
+    REACTION,
+    STICK_AREA,
+)
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import StepRecord
@@ -84,12 +92,12 @@ class History:
     def _obstacles(self, contacts: list[ContactRecord]) -> Iterator[Drive]:
         for number, contact in enumerate(contacts):
             where = f"the obstacle at '{contact.name}'"
-            depth = self.of_contact(number, "indentation")
-            normal = self.of_contact(number, "normal_force")
+            depth = self.of_contact(number, INDENTATION)
+            normal = self.of_contact(number, NORMAL_FORCE)
             if depth is not None and normal is not None and _varies(depth):
                 yield Drive(where, r"indentation, $\delta$", "normal force, $P$", depth, normal)
             moved = self.of_contact(number, "obstacle_displacement")
-            friction = self.of_contact(number, "friction_force")
+            friction = self.of_contact(number, FRICTION_FORCE)
             if moved is not None and friction is not None and contact.carries_shear:
                 yield from _along(where, moved, friction, "friction force", "Q")
 
@@ -103,7 +111,7 @@ class History:
             moved = np.where(held, means, 0.0)
             reaction = np.array([row.reaction for row in rows], dtype=np.float64) * held
             where = f"the support '{support.label}'"
-            yield from _along(where, moved, reaction, "reaction", "R")
+            yield from _along(where, moved, reaction, REACTION, "R")
 
     def _loads(self) -> Iterator[Drive]:
         for number, load in enumerate(self.steps[0].loads):
@@ -175,11 +183,11 @@ def step_line(number: int, step: StepRecord, units: UnitNames | None = None) -> 
         volume = "" if units is None else f" {units.of('volume')}"
         return (
             f"cycle {step.cycle.number}: {worn.passed_over} before it passed over, worn volume "
-            f"{found['worn_volume']:.4g}{volume}, contact area {found['contact_area']:.4g}{area}"
+            f"{found['worn_volume']:.4g}{volume}, contact area {found[CONTACT_AREA]:.4g}{area}"
         )
     counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
     return (
         f"step {number}: time {step.load_factor:.6g}, {newton_steps(step.newton_iterations)}"
-        f"{counted}, contact area {found['contact_area']:.4g}{area}, "
-        f"sticking {found['stick_area']:.4g}{area}"
+        f"{counted}, contact area {found[CONTACT_AREA]:.4g}{area}, "
+        f"sticking {found[STICK_AREA]:.4g}{area}"
     )

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.quantities.names import PENALTY_ENERGY
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ AT_POINTS = (
     PointArray("contact_pressure", "stress"),
     PointArray("friction_traction", "stress", is_vector=True, column="traction"),
     PointArray("slip", "length", is_vector=True),
-    PointArray("penalty_energy", "energy/area", is_written=False),
+    PointArray(PENALTY_ENERGY, "energy/area", is_written=False),
 )
 WRITTEN = tuple(array for array in AT_POINTS if array.is_written)
 # Other names of columns, of fields and of what is saved with a load step.

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Any
 
-from fenics_contact.results.quantities import ALL
+from fenics_contact.quantities.table import every
 from fenics_contact.results.records.record import Record, meanings
 from fenics_contact.results.records.run import RunRecord
 
@@ -42,7 +42,7 @@ def quantity_tables() -> dict[str, str]:
     """Every quantity, in Markdown: those of each contact, and those of the whole model alone."""
     of_contacts = ["| key | unit | meaning | whole model |", "|---|---|---|---|"]
     of_the_whole = ["| key | unit | meaning |", "|---|---|---|"]
-    for one in ALL:
+    for one in every():
         row = f"| `{one.name}` | {one.unit} | {one.meaning} |"
         if one.whole:
             of_contacts.append(f"{row} {one.whole} |")

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from fenics_contact.quantities import table
 from fenics_contact.scene.asked.fretting import require_fretting
 from fenics_contact.scene.asked.stability import require_stability
 from fenics_contact.scene.asked.vibration import require_vibration
@@ -15,7 +16,6 @@ from fenics_contact.scene.loading.load_paths import require_cycles
 from fenics_contact.scene.loading.motion import require_motion
 from fenics_contact.scene.mesh_source import MeshSource
 from fenics_contact.scene.obstacle import Obstacle
-from fenics_contact.scene.quantity_names import VECTORS
 from fenics_contact.scene.values import AXES, profiles_of
 
 if TYPE_CHECKING:
@@ -140,7 +140,7 @@ def _require_known(scene: Scene) -> None:
             found = scene.names.find(name)
         except ValueError as error:
             raise ValueError(f"{key}: {error}") from None
-        is_vector = found.quantity in VECTORS or found.quantity.startswith("displacement_")
+        is_vector = table.is_vector(found.quantity)
         if key != "accuracy" and is_vector and found.axis is None:
             raise ValueError(f"{key}: '{name}' is a vector; ask for its components, as {name}_x")
 

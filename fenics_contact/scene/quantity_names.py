@@ -11,25 +11,12 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 
 from fenics_contact.common.wording.suggestions import nearest
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import FRICTION_WORK, OF_POINTS, REACTION
 from fenics_contact.scene.values import AXES
 
-# Resultants of a contact, which several do not have together.
-OF_ONE_CONTACT = ("normal_force", "pressure_integral", "friction_force", "contact_force")
-
-# Those that have a component along each axis.
-VECTORS = ("friction_force", "contact_force", "reaction", "momentum", "impulse")
-
-OF_CONTACTS = (
-    *OF_ONE_CONTACT,
-    *("max_contact_pressure", "contact_area", "stick_area", "slip_area", "contact_radius"),
-    *("stick_radius", "max_slip", "indentation", "friction_work"),
-)
-_OF_SUPPORTS = ("reaction",)
-OF_PRELOADS = ("force", "elongation")
-_OF_ALL = (*OF_CONTACTS, "reaction", "strain_energy", "external_work", "penalty_energy")
-_POINT = "displacement_"
-#: What can only be meant as a quantity by its name, known or not; also in the schema of scenes.
-LOOKS_LIKE_QUANTITY = rf"\.|^{_POINT}|^({'|'.join(_OF_ALL)})(_[xyz])?$"
+_OF_SUPPORTS = (REACTION,)
+OF_PRELOADS = tuple(table.MEASURED_BY_PRELOADS)
 
 
 @dataclass(frozen=True)
@@ -81,7 +68,7 @@ class LossOfCycle:
     @property
     def friction_work(self) -> Hashable:
         """Key of the work of which it is the part of the cycle."""
-        return "friction_work" if self.contact is None else (self.contact, "friction_work")
+        return FRICTION_WORK if self.contact is None else (self.contact, FRICTION_WORK)
 
 
 @dataclass(frozen=True)
@@ -124,7 +111,7 @@ class QuantityNames:
             raise ValueError(f"'{text}': {self._accepted(owner, quantity, list(readings))}")
         found = readings[quantity]
         if len(found) > 1:
-            names = " and ".join(f"'{name.quantity.removeprefix(_POINT)}'" for name in found)
+            names = " and ".join(f"'{name.quantity.removeprefix(OF_POINTS)}'" for name in found)
             raise ValueError(
                 f"'{text}' could be of the points {names}: give one of them another name"
             )
@@ -142,15 +129,15 @@ class QuantityNames:
 
     def _readings(self, owner: str) -> dict[str, list[QuantityName]]:
         """What each quantity of an owner may stand for: of points, names may end as components."""
-        quantities = list(_OF_ALL) if not owner else []
-        quantities += [_POINT + point for point in self.points] if not owner else []
-        quantities += OF_CONTACTS if owner in self.contacts else ()
+        quantities = list(table.asked_of_all()) if not owner else []
+        quantities += [OF_POINTS + point for point in self.points] if not owner else []
+        quantities += table.asked_of_contacts() if owner in self.contacts else ()
         quantities += _OF_SUPPORTS if owner in self.supports else ()
         quantities += OF_PRELOADS if owner in self.preloads else ()
         found: dict[str, list[QuantityName]] = {}
         for quantity in quantities:
             found.setdefault(quantity, []).append(QuantityName(owner, quantity))
-            if quantity in VECTORS or quantity.startswith(_POINT):
+            if table.is_vector(quantity):
                 for axis, letter in enumerate(AXES[: self.dimension]):
                     component = QuantityName(owner, quantity, axis)
                     found.setdefault(f"{quantity}_{letter}", []).append(component)
@@ -187,7 +174,12 @@ def _nearest(text: str, known: list[str]) -> str:
 
 def looks_like_quantity(key: str) -> bool:
     """Whether a key can only be meant as a quantity by its name, known or not."""
-    return re.search(LOOKS_LIKE_QUANTITY, key) is not None
+    return re.search(pattern_of_quantities(), key) is not None
+
+
+def pattern_of_quantities() -> str:
+    """Of what can only be meant as a quantity by its name; also in the schema of scenes."""
+    return rf"\.|^{OF_POINTS}|^({'|'.join(table.asked_of_all())})(_[xyz])?$"
 
 
 def in_words(text: str) -> str:

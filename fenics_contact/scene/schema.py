@@ -13,7 +13,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import PydanticOmit
 
 from fenics_contact.common.program import VERSION
-from fenics_contact.scene.quantity_names import LOOKS_LIKE_QUANTITY
+from fenics_contact.scene.quantity_names import pattern_of_quantities
 from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Profile
@@ -90,5 +90,5 @@ def _take_names(definitions: dict[str, Any]) -> None:
     table = {"type": "object", "minProperties": 1, "additionalProperties": reference}
     definitions[_NAMED] = {"title": _NAMED, "anyOf": [share, table]}
     of["additionalProperties"] = reference
-    accuracy["patternProperties"] = {LOOKS_LIKE_QUANTITY: reference}
+    accuracy["patternProperties"] = {pattern_of_quantities(): reference}
     accuracy["additionalProperties"] = table

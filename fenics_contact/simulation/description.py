@@ -10,7 +10,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal import law_of
 from fenics_contact.problem.existence.condition import FreeMotion
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.quantities import measured_by
+from fenics_contact.quantities.table import measured_by
 from fenics_contact.results.records.contacts import ContactRecord, LawAnswers, array_record
 from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.units import UnitsRecord

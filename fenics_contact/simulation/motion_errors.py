@@ -21,7 +21,8 @@ from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.mesh.gathered_mesh import is_of_order_1
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.halved_body import halved_body
-from fenics_contact.results.quantities import QUANTITIES, reactions_by_name
+from fenics_contact.quantities import table
+from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
@@ -170,5 +171,6 @@ def _true(quantities: Quantities) -> dict[str, Any]:
     return {
         name: value
         for name, value in quantities.items()
-        if value is not None and (name in QUANTITIES or name.startswith("displacement_"))
+        if value is not None
+        and (name in table.with_true_value() or name.startswith("displacement_"))
     }

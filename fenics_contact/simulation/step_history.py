@@ -9,19 +9,14 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import Timings
+from fenics_contact.evaluate.contact_quantities import contact_quantities, slid
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.load_drives import load_records
 from fenics_contact.evaluate.momentum_book import MomentumBook
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.needed_forces import NeededForces
-from fenics_contact.evaluate.quantities import (
-    contact_quantities,
-    global_quantities,
-    preload_records,
-    slid,
-    support_records,
-)
+from fenics_contact.evaluate.quantities import global_quantities, preload_records, support_records
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.contacts import StepContact

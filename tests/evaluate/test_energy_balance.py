@@ -7,12 +7,10 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Load, Material, Obstacle, Path, Run, Scene, Steps, Support, run
+from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.quantities import (
-    contact_quantities,
-    global_quantities,
-)
+from fenics_contact.evaluate.quantities import global_quantities
 from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body

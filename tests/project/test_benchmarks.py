@@ -10,7 +10,7 @@ import pytest
 
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.surface.averaging import SurfaceAverage
-from fenics_contact.evaluate.quantities import contact_quantities
+from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.problem.problem import Problem
 from fenics_contact.verification.memory.block_scenes import body_of, scene_of
 from fenics_contact.verification.memory.blocks import (

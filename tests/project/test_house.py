@@ -13,7 +13,18 @@ pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one r
 
 PACKAGE = ROOT / "fenics_contact"
 ORDER = (
-    *("common", "analytic", "scene", "results", "mesh", "body", "contact", "problem", "solve"),
+    *(
+        "common",
+        "quantities",
+        "analytic",
+        "scene",
+        "results",
+        "mesh",
+        "body",
+        "contact",
+        "problem",
+        "solve",
+    ),
     *("evaluate", "trust", "simulation", "report", "explore", "verification", "cli"),
 )
 # A package that holds others: from the ground up.
@@ -29,7 +40,7 @@ INSIDE = {
     ),
 }
 # These are read where there is no FEniCSx and no MPI, or before it is loaded.
-WITHOUT_FENICSX = ("analytic", "scene", "results", "report")
+WITHOUT_FENICSX = ("quantities", "analytic", "scene", "results", "report")
 HEAVY = {"dolfinx", "ufl", "basix", "petsc4py", "mpi4py"}
 MOST = 14  # modules of a folder
 

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from fenics_contact import Result, Scene
-from fenics_contact.results.quantities import has_true_value, measured_by, measured_by_parameter
+from fenics_contact.quantities.table import has_true_value, measured_by
+from fenics_contact.results.quantities import measured_by_parameter
 from fenics_contact.scene.units.dimensions import Dimension
 from fenics_contact.scene.units.table import dimensions
 from tests.random.scenes import RandomScene

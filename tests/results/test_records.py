@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Run, SolverSettings
-from fenics_contact.results.quantities import ALL, QUANTITIES
+from fenics_contact.quantities import table
 from fenics_contact.results.records.record import Record, meanings
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.reference import records, with_tables
@@ -39,7 +39,7 @@ def test_every_key_that_is_written_is_in_the_record(name, tmp_path):
     assert json.dumps(read.as_dict()) == json.dumps(written)
     assert written["converged"] is (name != "not converged")
     assert read.passed is result.passed and dict(read) == written
-    known = {one.name for one in ALL}
+    known = {one.name for one in table.every()}
     for step in read.steps:
         for found in (step, *step.contacts):
             assert {key for key in found.quantities if not key.startswith("displacement_")} <= known
@@ -58,7 +58,7 @@ def test_tables_of_the_documentation_are_those_of_the_code():
     assert with_tables(changed) == page
     for record in records():
         assert all(f"| `{one.name}` |" in page for one in fields(record))
-    assert all(f"| `{name}` |" in page for name in QUANTITIES)
+    assert all(f"| `{name}` |" in page for name in table.with_true_value())
 
 
 def test_records_have_the_keys_of_their_file():

@@ -9,6 +9,16 @@ from typing import TypeAlias
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    EXTERNAL_WORK,
+    FRICTION_FORCE,
+    FRICTION_WORK,
+    NORMAL_FORCE,
+    PRESSURE_INTEGRAL,
+    STICK_AREA,
+    STRAIN_ENERGY,
+)
 from fenics_contact.report.compare.drawn_runs import DrawnRun, contact_names
 from fenics_contact.report.drawing.figures import (
     legend_beside,
@@ -28,9 +38,9 @@ _MOST_DRIVES = 6
 # Axis label → curve of each run that has one: places and values.
 _Panels: TypeAlias = dict[str, list[tuple[DrawnRun, Array, Array]]]
 _ENERGIES = {
-    "external_work": "work done, $W$",
-    "strain_energy": "strain energy, $E$",
-    "friction_work": "dissipated, $D$",
+    EXTERNAL_WORK: "work done, $W$",
+    STRAIN_ENERGY: "strain energy, $E$",
+    FRICTION_WORK: "dissipated, $D$",
 }
 
 
@@ -62,18 +72,18 @@ def _of_contact(runs: Sequence[DrawnRun], name: str) -> _Panels:
             continue
         history, rough = run.history, run.result.contacts[number].carries_shear
         labels = {
-            "normal_force": labelled("normal force, $P$", "force"),
-            "contact_area": labelled("contact area, $A$", "area"),
+            NORMAL_FORCE: labelled("normal force, $P$", "force"),
+            CONTACT_AREA: labelled("contact area, $A$", "area"),
         }
-        if history.of_contact(number, "normal_force") is None:
-            labels = {"pressure_integral": labelled(r"$\int p\,dA$", "force"), **labels}
+        if history.of_contact(number, NORMAL_FORCE) is None:
+            labels = {PRESSURE_INTEGRAL: labelled(r"$\int p\,dA$", "force"), **labels}
         if rough:
-            labels["stick_area"] = labelled("stick area", "area")
+            labels[STICK_AREA] = labelled("stick area", "area")
         for key, label in labels.items():
             values = history.of_contact(number, key)
             if values is not None:
                 panels.setdefault(label, []).append((run, history.time, values))
-        friction = history.of_contact(number, "friction_force")
+        friction = history.of_contact(number, FRICTION_FORCE)
         if rough and friction is not None and np.abs(friction).any():
             axis = int(np.abs(friction).max(axis=0).argmax())
             label = labelled(f"friction force, $Q_{run.axes[axis]}$", "force")

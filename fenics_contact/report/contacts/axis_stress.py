@@ -9,6 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    MAX_CONTACT_PRESSURE,
+    NORMAL_FORCE,
+    PRESSURE_INTEGRAL,
+)
 from fenics_contact.report.contacts.curves import formula_words
 from fenics_contact.report.drawing.figures import legend_beside, new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
@@ -80,7 +86,7 @@ def _below(body: UnstructuredGrid, heights: Array, surface: float, on_axis: Flag
 def contact_radius(rows: ContactTable, contact: ContactRecord) -> float:
     """Outer radius of the contact zone, from its area and where it begins (length)."""
     inner = rows.numbers["x"][rows.closed].min()
-    return float(np.sqrt(contact.quantities["contact_area"] / np.pi + inner**2))
+    return float(np.sqrt(contact.quantities[CONTACT_AREA] / np.pi + inner**2))
 
 
 def draw_axis_stress(
@@ -152,10 +158,10 @@ def draw_axis_stress(
 
 def _unit(quantities: Quantities) -> tuple[float, str]:
     """The peak of the pressure, or its mean where the peak is singular, and what it is called."""
-    peak = quantities["max_contact_pressure"]
-    carried = quantities.get("pressure_integral")  # not known of a run from before there was one
-    carried = quantities["normal_force"] if carried is None else carried
-    mean = abs(carried) / quantities["contact_area"]
+    peak = quantities[MAX_CONTACT_PRESSURE]
+    carried = quantities.get(PRESSURE_INTEGRAL)  # not known of a run from before there was one
+    carried = quantities[NORMAL_FORCE] if carried is None else carried
+    mean = abs(carried) / quantities[CONTACT_AREA]
     if peak > _SINGULAR * mean:
         return mean, "the mean pressure, $p_m$"
     return peak, "the peak of the pressure, $p_0$"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, measured_by
 from fenics_contact.report.sweep.columns import unit_of_key
 from fenics_contact.results.fit_record import FitRecord
-from fenics_contact.results.quantities import MEASURED_BY_PRELOADS, measured_by
 from fenics_contact.results.words.rounding import bar_in_words, rounded
 from fenics_contact.scene.values import AXES
 

@@ -15,6 +15,7 @@ import numpy as np
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.analytic.contact import HertzContact
 from fenics_contact.common.arrays import Array
+from fenics_contact.quantities.names import FRICTION_FORCE, NORMAL_FORCE
 from fenics_contact.report.formulas.apex_curvature import relative_curvature
 from fenics_contact.report.formulas.surface_cover import covers
 from fenics_contact.results.contact_table import ContactTable
@@ -206,7 +207,7 @@ def _with_force(
     mismatch: float,
 ) -> AnalyticContact | None:
     """The formulas for the force that was found, of the whole contact."""
-    force = result.contacts[0].quantities["normal_force"]
+    force = result.contacts[0].quantities[NORMAL_FORCE]
     if force is None or force <= 0:
         return None
     whole = 2 ** len(_planes(result)) * force
@@ -248,9 +249,7 @@ def _sheared(
     """
     contact, history = scene.contact[0], History.of(result)
     coefficient = contact.coulomb_coefficient
-    normal, tangential = (
-        history.of_contact(0, name) for name in ("normal_force", "friction_force")
-    )
+    normal, tangential = (history.of_contact(0, name) for name in (NORMAL_FORCE, FRICTION_FORCE))
     if contact.law != "incremental" or coefficient is None:
         return smooth
     if not _is_held_as_one(scene):

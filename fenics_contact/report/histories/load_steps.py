@@ -9,6 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    EXTERNAL_WORK,
+    FRICTION_FORCE,
+    FRICTION_WORK,
+    NORMAL_FORCE,
+    PENALTY_ENERGY,
+    PRESSURE_INTEGRAL,
+    STICK_AREA,
+    STRAIN_ENERGY,
+)
 from fenics_contact.report.drawing.figures import (
     legend_beside,
     legend_in_headroom,
@@ -121,9 +132,9 @@ def draw_forces(history: History, contacts: list[ContactRecord], path: Path) -> 
     figure, panels = over_time("Forces on the body", heights, history)
     wraps = False
     for number, contact in enumerate(contacts):
-        normal, around = history.of_contact(number, "normal_force"), r""
+        normal, around = history.of_contact(number, NORMAL_FORCE), r""
         if normal is None:  # the surface wraps around
-            normal, around = history.of_contact(number, "pressure_integral"), r", $\int p\,dA$"
+            normal, around = history.of_contact(number, PRESSURE_INTEGRAL), r", $\int p\,dA$"
         if normal is not None:
             wraps |= bool(around)
             line(panels[0], history.time, normal, plain(f"'{contact.name}'") + around, number)
@@ -152,7 +163,7 @@ def _friction_curves(
     history: History, contacts: list[ContactRecord]
 ) -> Iterator[tuple[str, Array]]:
     """Label and values of the components of friction forces that are not next to nothing."""
-    found = [history.of_contact(number, "friction_force") for number in range(len(contacts))]
+    found = [history.of_contact(number, FRICTION_FORCE) for number in range(len(contacts))]
     largest = max((float(np.abs(f).max()) for f in found if f is not None), default=0.0)
     for contact, forces in zip(contacts, found, strict=True):
         if not contact.carries_shear or forces is None or largest == 0:
@@ -166,8 +177,8 @@ def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Pictu
     """In contact, and the part of it that sticks, one panel a contact."""
     figure, panels = over_time("Areas in contact", [_HEIGHT] * len(contacts), history)
     for number, (contact, panel) in enumerate(zip(contacts, panels, strict=True)):
-        closed = history.of_contact(number, "contact_area")
-        sticks = history.of_contact(number, "stick_area")
+        closed = history.of_contact(number, CONTACT_AREA)
+        sticks = history.of_contact(number, STICK_AREA)
         assert closed is not None and sticks is not None
         rough = contact.carries_shear
         colour, label = ("SLIP", "slip") if rough else ("STICK", "in contact")
@@ -193,12 +204,12 @@ def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Pictu
 def _energies(history: History, path: Path) -> Picture:
     """Work and where it went; below, what does not balance."""
     names = {
-        "external_work": "work done, $W$",
+        EXTERNAL_WORK: "work done, $W$",
         "kinetic_energy": "kinetic energy, $T$",
-        "strain_energy": "strain energy, $E$",
-        "friction_work": "dissipated, $D$",
+        STRAIN_ENERGY: "strain energy, $E$",
+        FRICTION_WORK: "dissipated, $D$",
         "damping_work": "taken by damping, $D_v$",
-        "penalty_energy": "in springs of contacts, $E_p$",
+        PENALTY_ENERGY: "in springs of contacts, $E_p$",
         "elastic_slip_energy": "in elastic slip, $E_s$",
     }
     known = history.steps[0].quantities
@@ -208,7 +219,7 @@ def _energies(history: History, path: Path) -> Picture:
     figure, panels = over_time("Work and energies", [2.1, 1.1][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)
-        least = 0.0 if name == "friction_work" else _SHOWN * largest
+        least = 0.0 if name == FRICTION_WORK else _SHOWN * largest
         if np.abs(values).max() > least:
             line(panels[0], history.time, values, label, number)
     panels[0].set_ylabel(labelled("energy", "energy"))
@@ -223,7 +234,7 @@ def _energies(history: History, path: Path) -> Picture:
         _legend(panel)
     figure.align_ylabels(panels)
     save(figure, path)
-    done = "Work W of loads and obstacles, strain" if "external_work" in names else "Strain"
+    done = "Work W of loads and obstacles, strain" if EXTERNAL_WORK in names else "Strain"
     said = f"{done} energy E and what friction has dissipated, D"
     said += "; below, what does not balance, which load steps leave." if balances else "."
     return Picture(path, "Work and energies", said, followed(figure, panels, history))
@@ -274,7 +285,7 @@ def _dissipates(history: History, loops: list[Loop | None]) -> bool:
     if len(loops) != 1 or loops[0] is None:
         return False
     loop = loops[0]
-    done = history.quantity("external_work")
+    done = history.quantity(EXTERNAL_WORK)
     return bool(abs(done[loop.last] - done[loop.first] - loop.work) < _SHOWN * abs(loop.work))
 
 

@@ -7,14 +7,18 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from markupsafe import Markup
 
-from fenics_contact.report.page.templates import bar, table, verdict
-from fenics_contact.results.check_messages import WORDS, compares, failure, title
-from fenics_contact.results.quantities import (
+from fenics_contact.quantities.names import REACTION
+from fenics_contact.quantities.table import (
     MEASURED_BY_PRELOADS,
     QuantityValue,
     has_true_value,
-    idle_quantities,
     measured_by,
+    resultants_of_contacts,
+)
+from fenics_contact.report.page.templates import bar, table, verdict
+from fenics_contact.results.check_messages import WORDS, compares, failure, title
+from fenics_contact.results.quantities import (
+    idle_quantities,
     measured_by_parameter,
     reactions_by_name,
     without_value,
@@ -33,7 +37,7 @@ from fenics_contact.results.words.tables import (
     motion_words,
     share_words,
 )
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
+from fenics_contact.scene.quantity_names import OF_PRELOADS
 
 _OF_A_CONTACT = ("slave", "master", "slave_reason", "uniqueness_limit")
 _MOST_STEPS = 60  # in a table; of more, the first, the last and the hardest
@@ -93,7 +97,7 @@ def quantities_table(
     quantities = found.quantities
     units, sizes = run.units, sizes_of(run.quantities, run.contacts)
     if len(contacts) > 1:  # each has its own table
-        idle |= set(OF_ONE_CONTACT)
+        idle |= set(resultants_of_contacts())
     head = ["value", *(["unit"] if units else []), *(_BARS if errors else ())]
     rows: list[list[str]] = [["quantity", *head]]
     for name in [name for name in quantities if name not in idle]:
@@ -147,7 +151,9 @@ def errors_table(result: Outcome) -> Markup:
     ]
     for contact in result.contacts if len(result.contacts) > 1 else ():
         of = f" of {contact.name}"
-        for key in (key for key in OF_ONE_CONTACT if key in contact.errors and key not in idle):
+        for key in (
+            key for key in resultants_of_contacts() if key in contact.errors and key not in idle
+        ):
             found.append((key, of, contact.quantities.get(key), contact.errors[key]))
     for name, reaction in result.reactions.items() if len(result.reactions) > 1 else ():
         for key, row in reaction.errors.items():
@@ -165,10 +171,10 @@ def reactions_table(result: Outcome) -> Markup:
     """Resultants of the supports of each name, with error bars; nothing without any."""
     found = reactions_by_name(result.supports)
     # Files of earlier versions have no ``reactions``.
-    errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
+    errors = {name: of.errors.get(REACTION) for name, of in result.reactions.items()}
     has_bars = any(row is not None for row in errors.values())
     forces = sizes_of(result.quantities, result.contacts)["force"]
-    head = headed("reaction", "force", result.units)
+    head = headed(REACTION, "force", result.units)
     rows: list[list[str]] = [["support", head, *(_BARS if has_bars else ())]]
     for name, force in found.items():
         rows.append([name, *_with_bar(force, errors.get(name), forces)[: 3 if has_bars else 1]])

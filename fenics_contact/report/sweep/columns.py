@@ -6,12 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.report.sweep.files import SweepTable
-from fenics_contact.results.quantities import (
-    MEASURED_BY_PRELOADS,
-    has_true_value,
-    measured_by,
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    CONTACT_RADIUS,
+    FRICTION_FORCE,
+    MAX_CONTACT_PRESSURE,
+    MAX_SLIP,
+    NORMAL_FORCE,
+    SLIP_AREA,
+    STICK_AREA,
+    STICK_RADIUS,
+    STRAIN_ENERGY,
 )
+from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value, measured_by
+from fenics_contact.report.sweep.files import SweepTable
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.results.words.tables import headed
@@ -22,8 +30,8 @@ from fenics_contact.scene.scene import Scene
 Cells = list[float | None]
 # What is shown first, of what there is.
 _FIRST = (
-    *("normal_force", "friction_force", "max_contact_pressure", "stick_area", "slip_area"),
-    *("max_slip", "contact_area", "contact_radius", "stick_radius"),
+    *(NORMAL_FORCE, FRICTION_FORCE, MAX_CONTACT_PRESSURE, STICK_AREA, SLIP_AREA),
+    *(MAX_SLIP, CONTACT_AREA, CONTACT_RADIUS, STICK_RADIUS),
 )
 _BAR, _OF_POINTS = "_error", "displacement_"
 #: Where there is no value, and where there is no answer.
@@ -157,8 +165,8 @@ def _sizes(quantities: Sequence[Quantity], row: int) -> Mapping[str, float]:
     largest: dict[str, float] = {}
     for place in owners.values():
         numbers = {name: values for name, values in place.items() if values}
-        energy = numbers.pop("strain_energy", [0.0])
-        for kind, size in sizes_of({**numbers, "strain_energy": energy[0]}, ()).items():
+        energy = numbers.pop(STRAIN_ENERGY, [0.0])
+        for kind, size in sizes_of({**numbers, STRAIN_ENERGY: energy[0]}, ()).items():
             largest[kind] = max(largest.get(kind, 0.0), size)
     return largest
 

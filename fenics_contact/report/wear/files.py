@@ -11,14 +11,20 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    FRICTION_WORK,
+    MAX_CONTACT_PRESSURE,
+    STICK_AREA,
+)
 from fenics_contact.results.contact_table import ContactTable
 
 HISTORY, PROFILES, PAGE = "wear.csv", "wear_profiles.csv", "wear.html"
 _COLUMNS = (
     *("cycle", "passed_over", "worn_volume", "worn_volume_error"),
-    *("max_wear_depth", "max_wear_depth_error", "depth_over_width", "friction_work"),
+    *("max_wear_depth", "max_wear_depth_error", "depth_over_width", FRICTION_WORK),
 )
-_OF_CONTACTS = ("max_contact_pressure", "contact_area", "stick_area")
+_OF_CONTACTS = (MAX_CONTACT_PRESSURE, CONTACT_AREA, STICK_AREA)
 _OF_POINTS = (
     *("cycle", "contact", "x", "y", "z", "nx", "ny", "nz", "gap"),
     *("worn_depth", "contact_pressure", "status"),
@@ -62,7 +68,7 @@ class WornHistory:
         Args:
             number: Of the contact.
         """
-        found = (self._name(number, name) for name in ("stick_area_of_cycle", "stick_area"))
+        found = (self._name(number, name) for name in ("stick_area_of_cycle", STICK_AREA))
         return self.columns[next(name for name in found if name in self.columns)]
 
     def _name(self, number: int, name: str) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.quantities.names import FRICTION_WORK, MAX_CONTACT_PRESSURE
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units, with_unit
@@ -24,7 +25,7 @@ _MOST_ROWS = 20
 # Deepest wear over half its width from which gaps along the unworn normals are no longer theirs.
 _STEEP = 0.1
 # What columns of the history measure.
-_PEAK = "max_contact_pressure"
+_PEAK = MAX_CONTACT_PRESSURE
 _MEASURES = {"worn_volume": "volume", "max_wear_depth": "length"}
 
 
@@ -100,7 +101,7 @@ def _facts(history: WornHistory) -> Iterator[str]:
         "After ± stands the estimated error of passing over cycles, of all jumps so far; it says "
         "nothing of the mesh, of ε₁ and ε, and of the load steps."
     )
-    work = with_unit(float(history.columns["friction_work"][-1]), "energy")
+    work = with_unit(float(history.columns[FRICTION_WORK][-1]), "energy")
     yield f"Work of friction: {work}."
     steepest = _steepest(history)
     ends = ": beyond it, results are not to be relied on" if steepest > _STEEP else ""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.quantities.names import CONTACT_AREA, MAX_CONTACT_PRESSURE
 from fenics_contact.report.contacts.line import positions
 from fenics_contact.report.drawing.charts import Cylinder, chart_of
 from fenics_contact.report.drawing.figures import legend_beside, new_figure, save, style
@@ -73,7 +74,7 @@ def _over_cycles(history: WornHistory, path: Path) -> Picture:
     for number in contacts:
         colour, dashes = LINES[number % len(LINES)]
         look = {"linestyle": dashes, "color": colour, "marker": mark}
-        pressure = history.of_contact(number, "max_contact_pressure")
+        pressure = history.of_contact(number, MAX_CONTACT_PRESSURE)
         panels[2].plot(x, pressure, label=history.title(number), **look)
         _areas(panels[3 + number], history, number)
     panels[2].set_ylabel(labelled("largest\npressure", "stress"))
@@ -95,7 +96,7 @@ def _over_cycles(history: WornHistory, path: Path) -> Picture:
 
 def _areas(panel: Axes, history: WornHistory, number: int) -> None:
     """In contact, and the part of it that never slips in a cycle."""
-    closed = history.of_contact(number, "contact_area")
+    closed = history.of_contact(number, CONTACT_AREA)
     sticks = history.sticking(number)
     panel.fill_between(history.cycles, closed, color=COLOURS["SLIP"], lw=0, label="slips")
     panel.fill_between(history.cycles, sticks, color=COLOURS["STICK"], lw=0, label="never slips")

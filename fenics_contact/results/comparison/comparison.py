@@ -8,16 +8,17 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import REACTION
+from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value, measured_by
 from fenics_contact.results.check_messages import title
 from fenics_contact.results.comparison.differences import Difference, Estimate, difference
 from fenics_contact.results.comparison.runs import ComparedRun, units_of
 from fenics_contact.results.comparison.scenes import is_made_in_python, scene_rows
 from fenics_contact.results.quantities import (
-    MEASURED_BY_PRELOADS,
-    has_true_value,
     idle_quantities,
-    measured_by,
     measured_by_parameter,
+    secondary_quantities,
     without_value,
 )
 from fenics_contact.results.records.contacts import ContactRecord
@@ -25,15 +26,13 @@ from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.records.units import NO_UNITS
 from fenics_contact.results.words.rounding import sizes_of
 from fenics_contact.results.words.short_forms import in_figures
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
+from fenics_contact.scene.quantity_names import OF_PRELOADS
 
 # What is said of the model, in this order.
 _MODEL = (
     *("kinematics", "symmetry", "degree", "cell", "cells", "dofs", "contact_points", "bodies"),
     *("ranks", "solver", "strategy", "scalar_unknowns", "terms"),
 )
-# Quantities that others say as well: rows only where all are asked for.
-_SECOND = {"contact_force", "external_work", "penalty_energy", "pressure_integral"}
 _NamesOf: TypeAlias = Callable[[ComparedRun], Sequence[str] | Mapping[str, Any]]
 #: In place of what a run does not have.
 NOT_THERE = "–"
@@ -209,18 +208,15 @@ class Comparison:
     def _whole(self) -> Group:
         several = any(len(run.result.contacts) > 1 for run in self.runs)
         hidden = self._hidden([run.result.contacts for run in self.runs])
-        hidden |= set(OF_ONE_CONTACT) if several else set()
+        hidden |= set(table.resultants_of_contacts()) if several else set()
         places = [(run.result.quantities, run.result.errors) for run in self.runs]
         return Group("whole model", list(self._quantity_rows(places, hidden)))
 
     def _hidden(self, contacts: Sequence[Sequence[ContactRecord]]) -> set[str]:
         """Quantities that say nothing about the contacts of any run, or nothing new."""
         idle = set.intersection(*(idle_quantities(one) for one in contacts))
-        wraps = any(
-            one.quantities.get("normal_force") is None for found in contacts for one in found
-        )
-        second = _SECOND - ({"pressure_integral"} if wraps else set())
-        return idle | (set() if self.every else second)
+        every = [one for found in contacts for one in found]
+        return idle | (set() if self.every else secondary_quantities(every))
 
     def _contacts(self) -> Iterator[Group]:
         """Contact by contact; of the only one quantities are those of the whole model."""
@@ -264,7 +260,7 @@ class Comparison:
         for name in _names(self.runs, lambda run: run.result.reactions):
             found = [run.result.reactions.get(name) for run in self.runs]
             estimates = [
-                None if one is None else Estimate(one.reaction, one.errors.get("reaction"))
+                None if one is None else Estimate(one.reaction, one.errors.get(REACTION))
                 for one in found
             ]
             rows.append(self._row(f"reaction of '{name}'", "force", estimates))

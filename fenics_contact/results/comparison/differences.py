@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fenics_contact.results.quantities import QuantityValue
+from fenics_contact.quantities.table import QuantityValue
 from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.results.words.rounding import UNKNOWN, is_none, rounded
 

@@ -7,7 +7,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.quantities import QuantityValue, idle_quantities, measured_by
+from fenics_contact.quantities.names import (
+    FRICTION_FORCE,
+    FRICTION_WORK,
+    MAX_CONTACT_PRESSURE,
+    MAX_SLIP,
+    NORMAL_FORCE,
+    PRESSURE_INTEGRAL,
+)
+from fenics_contact.quantities.table import QuantityValue, measured_by
+from fenics_contact.results.quantities import idle_quantities
 from fenics_contact.results.records.contacts import ContactRecord, PreloadRecord
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.run import Outcome
@@ -30,8 +39,8 @@ def headlines(result: Outcome) -> list[str]:
     lines = [words.of_preload(name, preload) for name, preload in result.preloads.items()]
     lines += [words.of_contact(contact) for contact in result.contacts if contact.quantities]
     lines += _parts(result)
-    if result.contacts and "friction_work" not in idle_quantities(result.contacts):
-        lines.append(f"Friction dissipated {words.estimate('friction_work', result)}.")
+    if result.contacts and FRICTION_WORK not in idle_quantities(result.contacts):
+        lines.append(f"Friction dissipated {words.estimate(FRICTION_WORK, result)}.")
     return lines
 
 
@@ -56,14 +65,14 @@ class _Words:
     def of_contact(self, contact: ContactRecord) -> str:
         """What it carries, how hard it presses at the most, and how far it slips."""
         found, idle = contact.quantities, idle_quantities([contact])
-        pressing = "normal_force" if found.get("normal_force") is not None else "pressure_integral"
+        pressing = NORMAL_FORCE if found.get(NORMAL_FORCE) is not None else PRESSURE_INTEGRAL
         words = []
         if found.get(pressing) is not None:
             words.append(f"presses with {self.estimate(pressing, contact)}")
-        friction = found.get("friction_force")
-        if isinstance(friction, list) and "friction_force" not in idle:
+        friction = found.get(FRICTION_FORCE)
+        if isinstance(friction, list) and FRICTION_FORCE not in idle:
             force = math.hypot(*friction)
-            said = self._with_bar(force, contact.errors, "friction_force", "force")
+            said = self._with_bar(force, contact.errors, FRICTION_FORCE, "force")
             share = _share(contact)
             if not is_none(force, self.sizes["force"]):
                 words.append(f"friction {said}" + (f" ({share} of its limit)" if share else ""))
@@ -74,8 +83,8 @@ class _Words:
             ):  # around an axis forces cancel, and their moments do not
                 words.append(f"friction at {share} of its limit")
         for key, said in (
-            ("max_contact_pressure", "peak pressure"),
-            ("max_slip", "slips by up to"),
+            (MAX_CONTACT_PRESSURE, "peak pressure"),
+            (MAX_SLIP, "slips by up to"),
         ):
             if found.get(key) is None or key in idle:
                 continue

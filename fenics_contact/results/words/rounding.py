@@ -6,7 +6,8 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
-from fenics_contact.results.quantities import QuantityValue, measured_by
+from fenics_contact.quantities.names import STRAIN_ENERGY
+from fenics_contact.quantities.table import QuantityValue, measured_by
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import ErrorRow, Quantities
 
@@ -91,7 +92,7 @@ def sizes_of(quantities: Quantities, contacts: Iterable[ContactRecord]) -> Mappi
             parts = value if isinstance(value, list) else [0.0 if value is None else value]
             kind = measured_by(name)
             found[kind] = max(found[kind], *map(abs, parts))
-    energy, force = quantities.get("strain_energy") or 0.0, found["force"]
+    energy, force = quantities.get(STRAIN_ENERGY) or 0.0, found["force"]
     found.update({"": 0.0, "length": energy / force if force else 0.0})
     return found
 

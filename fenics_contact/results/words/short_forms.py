@@ -6,23 +6,28 @@ from html import escape
 from typing import NamedTuple
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.quantities import (
-    MEASURED_BY_PRELOADS,
-    idle_quantities,
-    measured_by,
-    reactions_by_name,
-    without_value,
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    FRICTION_FORCE,
+    INDENTATION,
+    MAX_CONTACT_PRESSURE,
+    NORMAL_FORCE,
+    REACTION,
+    SLIP_AREA,
 )
+from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, measured_by
+from fenics_contact.results.quantities import idle_quantities, reactions_by_name, without_value
 from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.units import NO_UNITS
 from fenics_contact.results.result import Result
 from fenics_contact.results.words.rounding import rounded, sizes_of
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, OF_PRELOADS
+from fenics_contact.scene.quantity_names import OF_PRELOADS
 
 _MAIN = (
-    *("normal_force", "friction_force", "reaction", "indentation", "max_contact_pressure"),
-    *("contact_area", "slip_area"),
+    *(NORMAL_FORCE, FRICTION_FORCE, REACTION, INDENTATION, MAX_CONTACT_PRESSURE),
+    *(CONTACT_AREA, SLIP_AREA),
 )
 _MOST = 20  # rows, of a scene of many contacts
 
@@ -56,7 +61,7 @@ def quantity_rows(result: Result, key: str) -> list[Shown]:
     """
     words = key.replace("_", " ")
     places: list[tuple[str, Quantities, Errors]] = [(words, result.quantities, result.errors)]
-    if key in OF_ONE_CONTACT and len(result.contacts) > 1:
+    if key in table.resultants_of_contacts() and len(result.contacts) > 1:
         places = [(f"{words} of {one.name}", one.quantities, one.errors) for one in result.contacts]
     size = sizes_of(result.quantities, result.contacts)[measured_by(key)]
     unit = (result.units or NO_UNITS).of(measured_by(key))
@@ -85,7 +90,7 @@ def preload_rows(result: Result) -> list[Shown]:
 def reaction_rows(result: Outcome) -> list[Shown]:
     """Reactions of the supports of each name, in words."""
     # Files of earlier versions have no ``reactions``.
-    errors = {name: of.errors.get("reaction") for name, of in result.reactions.items()}
+    errors = {name: of.errors.get(REACTION) for name, of in result.reactions.items()}
     size = sizes_of(result.quantities, result.contacts)["force"]
     unit = (result.units or NO_UNITS).of("force")
     return [

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from fenics_contact.results.quantities import measured_by
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import FRICTION_FORCE, NORMAL_FORCE, SLIP_AREA, STICK_AREA
+from fenics_contact.quantities.table import measured_by
 from fenics_contact.results.records.model import RigidMotion
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.steps import BranchRecord
 from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
 from fenics_contact.results.words.rounding import bar_in_words
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT
 
 # What answers of one scene are told apart by.
-_OF_BRANCHES = ("normal_force", "friction_force", "stick_area", "slip_area")
+_OF_BRANCHES = (NORMAL_FORCE, FRICTION_FORCE, STICK_AREA, SLIP_AREA)
 
 
 def branch_rows(
@@ -41,7 +42,7 @@ def branch_rows(
 def _of_branch(branch: BranchRecord) -> Iterator[tuple[str, object]]:
     """Name and value of each number, resultants of several contacts contact by contact."""
     for key in _OF_BRANCHES:
-        if key in OF_ONE_CONTACT and len(branch.contacts) > 1:
+        if key in table.resultants_of_contacts() and len(branch.contacts) > 1:
             for contact in branch.contacts:
                 yield f"{key} of '{contact.name}'", contact.quantities[key]
         else:

@@ -8,13 +8,19 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    MAX_CONTACT_PRESSURE,
+    NORMAL_FORCE,
+    STICK_AREA,
+)
 from fenics_contact.scene.quantity_names import looks_like_quantity
 from fenics_contact.scene.values import Integer, Number, scene_class
 
 Share = Annotated[Number, Field(gt=0, lt=1)]
 _Asked = Share | None
 # Of a scene that says but one number; in each, those that it has.
-MAIN = ("normal_force", "max_contact_pressure", "contact_area", "stick_area")
+MAIN = (NORMAL_FORCE, MAX_CONTACT_PRESSURE, CONTACT_AREA, STICK_AREA)
 
 
 @scene_class

@@ -21,7 +21,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.quantity_names import VECTORS
+from fenics_contact.quantities import table
 from fenics_contact.scene.values import AXES
 from fenics_contact.simulation.sensitivities.derivatives import require_adjoint
 from fenics_contact.simulation.sensitivities.quantity_gradient import QuantityGradient, adjoint_of
@@ -129,7 +129,7 @@ def _names_of(problem: Problem, text: str) -> list[str]:
         text: Its name; of a vector this stands for all components.
     """
     name = problem.scene.names.find(text)
-    is_vector = name.quantity in VECTORS or name.quantity.startswith("displacement_")
+    is_vector = table.is_vector(name.quantity)
     if not is_vector or name.axis is not None:
         return [text]
     return [f"{text}_{axis}" for axis in AXES[: problem.spaces.components]]

@@ -22,6 +22,7 @@ from fenics_contact.common.errors import FenicsContactError, StoppedError
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import from_root
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.quantities.names import STRAIN_ENERGY
 from fenics_contact.results.accuracy_messages import (
     energy_line,
     level_line,
@@ -149,7 +150,7 @@ class AdaptiveRun:
     def _note(self, run: Run, result: Result, errors: Errors) -> None:
         for phase, seconds in result.timings.items():
             self._seconds[phase] = self._seconds.get(phase, 0.0) + seconds
-        local, energy = run.end.budget.local, result.quantities["strain_energy"]
+        local, energy = run.end.budget.local, result.quantities[STRAIN_ENERGY]
         self.levels.append(
             LevelRecord(
                 dofs=result.model.dofs,

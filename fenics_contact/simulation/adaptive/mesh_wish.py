@@ -11,6 +11,8 @@ from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.contact_areas import edges
 from fenics_contact.mesh.size_field import SINGULAR
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.quantities import table
+from fenics_contact.quantities.quantity import Edge
 from fenics_contact.results.records.model import LevelRecord
 from fenics_contact.results.records.record import Errors
 from fenics_contact.simulation.adaptive.goals import Goals
@@ -31,11 +33,6 @@ _AIM_AT = 0.85
 # What an area's error is to become over what is allowed: cells at an edge are few, and it varies by
 # chance. And by how much these become smaller at the most, at once.
 _EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
-# Quantities that are as wrong as the edge of contact, or of stick, is far from its place.
-_AREAS = (
-    ("contact_area", "slip_area", "contact_radius"),
-    ("stick_area", "slip_area", "stick_radius"),
-)
 # What an unknown error is taken to be, over what is allowed.
 _UNKNOWN = 2.0
 # Share that is left to the mesh whatever others take: they are to become smaller, too.
@@ -108,7 +105,7 @@ class MeshWish:
         What areas are off by is a matter of their edges first, where cells are made smaller anyway.
         """
         found = {name: self._mesh_ratio((name,)) for name in self._errors}
-        areas = self._asked_of([*_AREAS[0], *_AREAS[1]])
+        areas = self._asked_of([name for edge in Edge for name in table.bounded_by(edge)])
         others = max((ratio for name, ratio in found.items() if name not in areas), default=1.0)
         return {name: min(r, others) if name in areas else r for name, r in found.items()}
 
@@ -122,7 +119,8 @@ class MeshWish:
         assert run.solution is not None
         rows = [np.zeros((0, 4))]
         for contact, state in zip(run.problem.contacts, run.solution.states, strict=True):
-            for areas, found in zip(_AREAS, edges(contact, state), strict=True):
+            for edge, found in zip(Edge, edges(contact, state), strict=True):
+                areas = table.bounded_by(edge)
                 ratio = self._mesh_ratio(self._asked_of(areas, contact.label))
                 if ratio > 0:
                     share = float(np.clip(_EDGE_AIM / ratio, _EDGE_LEAST, 1.0))
@@ -151,7 +149,11 @@ class MeshWish:
     def _growth(self, has_edges: bool) -> float:
         """How many times as many cells the errors ask for, but for those of areas, at edges."""
         order = self._run.problem.spaces.degree / self._run.problem.body.dimension
-        areas = self._asked_of([*_AREAS[0], *_AREAS[1]]) if has_edges else []
+        areas = (
+            self._asked_of([name for edge in Edge for name in table.bounded_by(edge)])
+            if has_edges
+            else []
+        )
         growths = [
             (self._mesh_ratio((name,)) / _AIM_AT)
             ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))

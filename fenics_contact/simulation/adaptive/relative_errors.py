@@ -13,24 +13,16 @@ from collections.abc import Hashable, Iterable, Mapping
 
 import numpy as np
 
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import OF_POINTS, REACTION, STRAIN_ENERGY
 from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.result import Result
 from fenics_contact.scene.quantity_names import (
-    OF_ONE_CONTACT,
     OF_PRELOADS,
     QuantityName,
     QuantityNames,
 )
 
-# Quantities that may vanish, over what is their size then.
-_MEASURED_BY = {
-    "friction_force": "normal_force",
-    "stick_area": "contact_area",
-    "slip_area": "contact_area",
-    "stick_radius": "contact_radius",
-    "friction_work": "strain_energy",
-}
-_FORCES = (*OF_ONE_CONTACT, "reaction")
 # Of the largest force, or displacement, by which smaller ones are measured.
 _SMALL = 0.01
 
@@ -75,7 +67,7 @@ def _of_owner(result: Result, name: QuantityName) -> tuple[Quantities, Errors]:
     """Quantities and their errors, of what a name says that they are of."""
     if not name.owner:
         return result.quantities, result.errors
-    if name.quantity == "reaction":
+    if name.quantity == REACTION:
         of_supports = result.reactions[name.owner]
         return of_supports, of_supports.errors
     if name.quantity in OF_PRELOADS:
@@ -87,29 +79,36 @@ def _of_owner(result: Result, name: QuantityName) -> tuple[Quantities, Errors]:
 
 def _given(values: Quantities, quantity: str) -> str:
     """The quantity, or what stands for a normal force without an axis."""
-    is_missing = quantity == "normal_force" and values.get(quantity) is None
-    return "pressure_integral" if is_missing else quantity
+    row = table.find(quantity)
+    has_other = row is not None and row.instead and values.get(quantity) is None
+    return row.instead if row is not None and has_other else quantity
 
 
 def _size(result: Result, values: Quantities, quantity: str) -> float:
     """What measures an error of a quantity, or of a component of it; 0 where it is not known."""
-    by = _given(values, _MEASURED_BY.get(quantity, quantity))
+    row = table.find(quantity)
+    by = _given(values, (row and row.relative_to) or quantity)
     value = values.get(by, result.quantities.get(by))
     if value is None:
         return 0.0
     force = _largest_force(result)
     least = 0.0
-    if quantity in _FORCES:
+    if quantity in _forces():
         least = _SMALL * force
-    elif quantity.startswith("displacement_") and force > 0:
-        least = _SMALL * 2 * result.quantities["strain_energy"] / force  # that goes with the force
+    elif quantity.startswith(OF_POINTS) and force > 0:
+        least = _SMALL * 2 * result.quantities[STRAIN_ENERGY] / force  # that goes with the force
     return max(float(np.linalg.norm(value)), least)
 
 
 def _largest_force(result: Result) -> float:
     """Of all resultants of a contact, or of supports of one name."""
-    values = [of.get(force) for of in _parts(result) for force in _FORCES]
+    values = [of.get(force) for of in _parts(result) for force in _forces()]
     return max((float(np.linalg.norm(v)) for v in values if v is not None), default=0.0)
+
+
+def _forces() -> tuple[str, ...]:
+    """Names of resultants of contacts and supports."""
+    return (*table.resultants_of_contacts(), REACTION)
 
 
 def _parts(result: Result) -> list[Quantities]:

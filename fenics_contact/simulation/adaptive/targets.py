@@ -6,10 +6,19 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 
 from fenics_contact.common.errors import InputError
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    CONTACT_RADIUS,
+    INDENTATION,
+    MAX_CONTACT_PRESSURE,
+    NORMAL_FORCE,
+    STICK_AREA,
+    STICK_RADIUS,
+)
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
 from fenics_contact.scene.asked.accuracy import Accuracy
-from fenics_contact.scene.quantity_names import OF_CONTACTS, OF_ONE_CONTACT
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.scene_run import Run
 
@@ -38,11 +47,11 @@ def asked_of(run: Run) -> dict[str, float]:
     _require_present(accuracy, run)
     present = set()
     if any(contact.normal.has_counterpart for contact in contacts):
-        present |= {"normal_force", "max_contact_pressure"}
+        present |= {NORMAL_FORCE, MAX_CONTACT_PRESSURE}
     if any(contact.is_one_sided for contact in contacts):
-        present.add("contact_area")
+        present.add(CONTACT_AREA)
     if run.problem.frictional:
-        present.add("stick_area")
+        present.add(STICK_AREA)
     asked = accuracy.asked(present)
     if not asked:
         raise InputError(
@@ -61,15 +70,15 @@ def _require_present(accuracy: Accuracy, run: Run) -> None:
     contacts = run.problem.contacts
     has_depth = run.problem.has_datum and any(c.contact.obstacle is not None for c in contacts)
     missing = {
-        "indentation": "" if has_depth else "a rigid obstacle",
+        INDENTATION: "" if has_depth else "a rigid obstacle",
         **dict.fromkeys(
-            ("contact_radius", "stick_radius"),
+            (CONTACT_RADIUS, STICK_RADIUS),
             "" if run.problem.spaces.kinematics == "axisymmetric" else "an axis of revolution",
         ),
     }
     for text in accuracy.asked([]):
         quantity = run.scene.names.find(text).quantity
-        lacks = "" if contacts or quantity not in OF_CONTACTS else "a contact"
+        lacks = "" if contacts or quantity not in table.asked_of_contacts() else "a contact"
         lacks = lacks or missing.get(quantity, "")
         if lacks:
             raise InputError(f"accuracy: '{text}' needs {lacks}, which the scene has not")
@@ -81,7 +90,7 @@ def _of_each_contact(asked: Mapping[str, float], labels: Sequence[str]) -> dict[
         return dict(asked)
     found: dict[str, float] = {}
     for text, limit in asked.items():
-        of_each = "." not in text and text.startswith(OF_ONE_CONTACT)
+        of_each = "." not in text and text.startswith(table.resultants_of_contacts())
         names = [f"{label}.{text}" for label in labels] if of_each else [text]
         found |= {name: asked.get(name, limit) for name in names}
     return found

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities import table
 from fenics_contact.results.records.derivatives import Derivative, Derivatives
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.means import Mean, Means
-from fenics_contact.simulation.asked_derivatives.window_answers import edges_of
 from fenics_contact.simulation.sensitivities.derivatives import keys_of
 from fenics_contact.simulation.sensitivities.state_gradients import Quantities
 from fenics_contact.simulation.sensitivities.values import found_in
@@ -51,7 +51,7 @@ def _with_exact(scene: Scene) -> list[str]:
     """Quantities asked for whose discrete answer has a derivative."""
     asked = scene.derivatives
     assert asked is not None
-    return [name for name in asked.of if edges_of(scene.names.find(name).quantity) is None]
+    return [name for name in asked.of if not table.edges_of(scene.names.find(name).quantity)]
 
 
 def asked_derivatives(kept: KeptBody, scene: Scene, keys: Sequence[str]) -> Derivatives:

@@ -13,12 +13,13 @@ from typing import NamedTuple
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, PRESSURE_INTEGRAL, STRAIN_ENERGY
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.drive import driven
 from fenics_contact.simulation.asked_derivatives.window_answers import (
     WindowAnswer,
     WindowAnswers,
-    edges_of,
 )
 from fenics_contact.simulation.asked_derivatives.windows import (
     INTERVALS,
@@ -78,7 +79,7 @@ class Means:
     ) -> None:
         self._kept, self._scene, self._names, self._keys = kept, scene, names, keys
         self._with_exact = list(exact.slopes)
-        has_areas = any(edges_of(scene.names.find(name).quantity) for name in names)
+        has_areas = any(table.edges_of(scene.names.find(name).quantity) for name in names)
         self._intervals = INTERVALS_OF_AREAS if has_areas else INTERVALS
         self._answers = WindowAnswers(kept, scene)
         self._middle = self._answers.of(scene)
@@ -123,7 +124,7 @@ class Means:
 
     def _in(self, window: Window, name: str) -> Callable[[list[float]], tuple[float, float]]:
         """How a derivative follows from answers in a window: areas jump there."""
-        is_area = edges_of(self._scene.names.find(name).quantity) is not None
+        is_area = bool(table.edges_of(self._scene.names.find(name).quantity))
         return window.mean if is_area else window.slope
 
     def _is_averaged(self, name: str, first: WindowAnswer, last: WindowAnswer) -> bool:
@@ -133,14 +134,14 @@ class Means:
         """
         middle, asked = self._middle, self._scene.names.find(name)
         assert middle is not None
-        edges = edges_of(asked.quantity)
-        if edges is None:
+        edges = table.edges_of(asked.quantity)
+        if not edges:
             return True
         moved = self._answers.moved(first, last, middle.strips)
         first_of = [2 * number for number in range(len(self._scene.names.contacts))]
         if asked.owner:
             first_of = [2 * self._scene.names.contacts.index(asked.owner)]
-        return all(moved[place + edge] >= _A_CELL for place in first_of for edge in edges)
+        return all(moved[place + edge.value] >= _A_CELL for place in first_of for edge in edges)
 
     def _is_of_body(self, key: str, number: float) -> bool:
         """Whether another number makes another body."""
@@ -164,16 +165,16 @@ class Means:
         middle = self._middle
         assert middle is not None
         names = key.split(".")
-        forces = [abs(v) for n, v in middle.values.items() if n.endswith("pressure_integral") and v]
+        forces = [abs(v) for n, v in middle.values.items() if n.endswith(PRESSURE_INTEGRAL) and v]
         force = max(forces, default=1.0)
         if {"traction", "pressure", "body_force"} & {*names}:
-            scale = middle.values.get("max_contact_pressure") or 1.0
+            scale = middle.values.get(MAX_CONTACT_PRESSURE) or 1.0
         elif "force" in names:
             scale = force
         elif "position" in names:  # of the cells at the edges, but in 3D, where there are many
             scale = max(middle.strips, default=0.0) or 1.0
         else:
-            scale = 2 * (middle.values.get("strain_energy") or 1.0) / force
+            scale = 2 * (middle.values.get(STRAIN_ENERGY) or 1.0) / force
         return abs(number) if abs(number) > _NOTHING * scale else scale
 
     @cached_property

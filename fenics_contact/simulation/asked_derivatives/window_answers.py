@@ -19,24 +19,6 @@ from fenics_contact.simulation.studies.quick_answers import QuickAnswers
 from fenics_contact.simulation.sweeps.rows import row_of_quick
 from fenics_contact.solve.newton.solution import Solution
 
-# Areas and radii, which jump from cell to cell → the edges of a contact that bound them.
-_BOUNDED_BY = {
-    "contact_area": (0,),
-    "contact_radius": (0,),
-    "stick_area": (1,),
-    "stick_radius": (1,),
-    "slip_area": (0, 1),
-}
-
-
-def edges_of(quantity: str) -> tuple[int, ...] | None:
-    """The edges that an area or a radius ends at: 0 of contact, 1 of stick; None of all else.
-
-    >>> edges_of("slip_area"), edges_of("normal_force")
-    ((0, 1), None)
-    """
-    return _BOUNDED_BY.get(quantity)
-
 
 @dataclass(eq=False)
 class WindowAnswer:

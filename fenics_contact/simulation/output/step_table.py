@@ -10,9 +10,11 @@ from typing import Any
 
 from fenics_contact.common.atomic_files import append, replace_file
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import REACTION
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
-from fenics_contact.scene.quantity_names import OF_PRELOADS, VECTORS
+from fenics_contact.scene.quantity_names import OF_PRELOADS
 from fenics_contact.scene.values import AXES
 
 
@@ -56,7 +58,7 @@ def row_of(step: StepRecord) -> dict[str, Any]:
     of each, as ``contact.quantity``, and of each preload; vectors by component, as ``quantity_x``.
     What has no value is empty.
     """
-    components = len(step.quantities["reaction"])
+    components = len(step.quantities[REACTION])
     row = {
         "time": step.load_factor,
         "newton_iterations": step.newton_iterations,
@@ -74,7 +76,7 @@ def row_of(step: StepRecord) -> dict[str, Any]:
 def _by_component(quantities: Quantities, components: int) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, given in quantities.items():
-        value = [None] * components if given is None and name in VECTORS else given
+        value = [None] * components if given is None and table.is_vector(name) else given
         if isinstance(value, list):
             named = zip(AXES, value, strict=False)
             found |= {f"{name}_{axis}": component for axis, component in named}

@@ -22,17 +22,27 @@ from fenics_contact.evaluate.recovered_pressure import (
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import Indentation
-from fenics_contact.scene.quantity_names import OF_ONE_CONTACT, VECTORS, QuantityName
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import (
+    CONTACT_FORCE,
+    EXTERNAL_WORK,
+    FRICTION_FORCE,
+    FRICTION_WORK,
+    INDENTATION,
+    MAX_CONTACT_PRESSURE,
+    MAX_SLIP,
+    NORMAL_FORCE,
+    PENALTY_ENERGY,
+    PRESSURE_INTEGRAL,
+    REACTION,
+    STRAIN_ENERGY,
+)
+from fenics_contact.quantities.quantity import Together
+from fenics_contact.scene.quantity_names import QuantityName
 from fenics_contact.scene.values import AXES
 from fenics_contact.solve.condensed.adjoint import BodyGradient
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.measured import measured
-
-# Quantities of plane models that are in proportion to the thickness, all else being the same.
-_OF_THE_THICKNESS = (
-    *("normal_force", "pressure_integral", "friction_force", "contact_force", "reaction"),
-    *("friction_work", "penalty_energy", "strain_energy", "external_work"),
-)
 
 
 @dataclass(eq=False)
@@ -91,8 +101,7 @@ class Quantities:
             name = self.problem.scene.names.find(text)
         except ValueError as error:
             raise InputError(f"of: {error}") from None
-        is_vector = name.quantity in VECTORS or name.quantity.startswith("displacement_")
-        if is_vector and name.axis is None:
+        if table.is_vector(name.quantity) and name.axis is None:
             raise InputError(f"of: '{text}' is a vector; ask for its components, such as {text}_x")
         known = (*self._of_contacts, *self._of_body)
         if name.quantity not in known and not name.quantity.startswith("displacement_"):
@@ -120,7 +129,8 @@ class Quantities:
         else:
             for number in self._contacts_of(name, text):
                 self._of_contacts[name.quantity](found, number, name)
-        if name.quantity in _OF_THE_THICKNESS:
+        row = table.find(name.quantity)
+        if row is not None and row.is_extensive:
             found.resultant = partial(self._value, name)
         return found
 
@@ -132,24 +142,24 @@ class Quantities:
     @property
     def _of_body(self) -> dict[str, Callable[[StateGradient, QuantityName], None]]:
         return {
-            "reaction": self._add_reaction,
-            "strain_energy": self._add_strain_energy,
-            "external_work": self._add_external_work,
+            REACTION: self._add_reaction,
+            STRAIN_ENERGY: self._add_strain_energy,
+            EXTERNAL_WORK: self._add_external_work,
             "elongation": self._add_elongation,
         }
 
     @property
     def _of_contacts(self) -> dict[str, Callable[[StateGradient, int, QuantityName], None]]:
         return {
-            "normal_force": self._add_normal_force,
-            "pressure_integral": self._add_pressure_integral,
-            "friction_force": self._add_friction_force,
-            "contact_force": self._add_contact_force,
-            "max_contact_pressure": self._add_max_pressure,
-            "max_slip": self._add_max_slip,
-            "indentation": self._add_indentation,
-            "friction_work": self._add_friction_work,
-            "penalty_energy": self._add_penalty_energy,
+            NORMAL_FORCE: self._add_normal_force,
+            PRESSURE_INTEGRAL: self._add_pressure_integral,
+            FRICTION_FORCE: self._add_friction_force,
+            CONTACT_FORCE: self._add_contact_force,
+            MAX_CONTACT_PRESSURE: self._add_max_pressure,
+            MAX_SLIP: self._add_max_slip,
+            INDENTATION: self._add_indentation,
+            FRICTION_WORK: self._add_friction_work,
+            PENALTY_ENERGY: self._add_penalty_energy,
         }
 
     def _contacts_of(self, name: QuantityName, text: str) -> list[int]:
@@ -158,17 +168,17 @@ class Quantities:
         every = list(range(len(problem.contacts)))
         if name.owner:
             return [problem.scene.names.contacts.index(name.owner)]
-        if name.quantity in ("friction_work", "penalty_energy") or len(every) == 1:
+        row = table.find(name.quantity)
+        assert row is not None
+        if row.together is Together.SUM or len(every) == 1:
             return every
-        if name.quantity in ("max_contact_pressure", "max_slip"):
+        if row.together is Together.LARGEST:
             sizes = [self._largest(n, self._sizes(n, name.quantity))[0] for n in every]
             return [int(np.argmax(sizes))] if states else []
-        if name.quantity in OF_ONE_CONTACT or name.quantity == "indentation":
-            raise InputError(
-                f"of: '{text}': the model has {len(every)} contacts, which have it one by one; ask "
-                f"for NAME.{text}, NAME being a contact's"
-            )
-        raise AssertionError(name.quantity)
+        raise InputError(
+            f"of: '{text}': the model has {len(every)} contacts, which have it one by one; ask "
+            f"for NAME.{text}, NAME being a contact's"
+        )
 
     def _add_resultant(
         self, found: StateGradient, number: int, along: Array, pressure: bool, friction: bool
@@ -212,7 +222,7 @@ class Quantities:
     def _sizes(self, number: int, quantity: str) -> Array:
         """What a largest value is the largest of, at the points."""
         state = self.solution.states[number]
-        if quantity == "max_contact_pressure":
+        if quantity == MAX_CONTACT_PRESSURE:
             return pressure_of_facets(self.problem.contacts[number], state)
         return np.where(state.status != OPEN, np.linalg.norm(state.slip, axis=1), 0.0)
 

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.quantities.names import REACTION
+from fenics_contact.quantities.table import MEASURED_BY_PRELOADS
 from fenics_contact.results.contact_points import ContactPoints
-from fenics_contact.results.quantities import MEASURED_BY_PRELOADS, reactions_by_name
+from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.steps import StepRecord
@@ -99,7 +101,7 @@ def _of_supports(
     supports: Sequence[SupportRecord], errors: Mapping[str, Errors]
 ) -> Iterator[_Part]:
     for name, reaction in reactions_by_name(supports).items():
-        yield f"{name}.", {"reaction": reaction}, errors.get(name, {})
+        yield f"{name}.", {REACTION: reaction}, errors.get(name, {})
 
 
 def _measured(preload: PreloadRecord) -> dict[str, Any]:

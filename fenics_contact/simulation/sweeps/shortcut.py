@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fenics_contact.quantities.names import STRAIN_ENERGY
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene, SolverSettings
 from fenics_contact.simulation.studies.quick_answers import Answer
@@ -40,7 +41,7 @@ class Shortcut:
             return
         if not result.converged:
             return
-        energies = [step.quantities["strain_energy"] for step in result.steps]
+        energies = [step.quantities[STRAIN_ENERGY] for step in result.steps]
         if energies[-1] < _AT_THE_END * max(energies):
             return
         self._settings, self._energy = scene.solver, energies[-1]
@@ -59,5 +60,5 @@ class Shortcut:
         """Whether a run would pass as well: all checks do, and strains stay small."""
         if not answer.passed:
             return False
-        grown = answer.quantities["strain_energy"] * (_MARGIN * self._largest) ** 2
+        grown = answer.quantities[STRAIN_ENERGY] * (_MARGIN * self._largest) ** 2
         return bool(grown <= self._energy * _LARGE**2)

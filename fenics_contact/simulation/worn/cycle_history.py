@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.quantities.names import EXTERNAL_WORK
 from fenics_contact.results.records.cycles import CycleEnd, WornCycleEnd
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.worn.worn_cycle import WornCycle
@@ -58,4 +59,4 @@ class CycleHistory(StepHistory[BulkForces]):
         return dict(self.cycle.contacts[number])
 
     def _work_along(self, quantities: dict[str, Any]) -> dict[str, Any]:
-        return {"external_work": None}
+        return {EXTERNAL_WORK: None}

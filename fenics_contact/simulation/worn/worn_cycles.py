@@ -20,7 +20,9 @@ from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
-from fenics_contact.evaluate.quantities import contact_points, contact_quantities
+from fenics_contact.evaluate.contact_quantities import contact_quantities
+from fenics_contact.evaluate.quantities import contact_points
+from fenics_contact.quantities.names import FRICTION_WORK
 from fenics_contact.scene.loading.jumps import Jumps
 from fenics_contact.scene.steps import Steps
 from fenics_contact.simulation.worn.rates import Progress, Rates
@@ -271,7 +273,7 @@ class WornCycles:
         contacts = []
         for place in range(len(self._contacts)):
             found = contact_quantities(self._problem, solution, place)
-            contacts.append(found | {"friction_work": float(works[place])})
+            contacts.append(found | {FRICTION_WORK: float(works[place])})
         pairs = zip(self._contacts, solution.states, strict=True)
         return WornCycle(
             number=rates.number,

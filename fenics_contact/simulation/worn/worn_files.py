@@ -12,13 +12,20 @@ from mpi4py import MPI
 
 from fenics_contact.common.atomic_files import append, make_folder, replace_file
 from fenics_contact.common.parallel import on_root
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    FRICTION_WORK,
+    MAX_CONTACT_PRESSURE,
+    NORMAL_FORCE,
+    STICK_AREA,
+)
 from fenics_contact.simulation.worn.worn_cycle import WornCycle
 
 #: A row a cycle that was computed.
 HISTORY = "wear.csv"
 #: A row a contact point of each of them.
 PROFILES = "wear_profiles.csv"
-_OF_CONTACTS = ("normal_force", "max_contact_pressure", "contact_area", "stick_area")
+_OF_CONTACTS = (NORMAL_FORCE, MAX_CONTACT_PRESSURE, CONTACT_AREA, STICK_AREA)
 
 
 class WornFiles:
@@ -94,7 +101,7 @@ def _row(cycle: WornCycle) -> dict[str, Any]:
         "max_wear_depth": cycle.max_wear_depth,
         "max_wear_depth_error": cycle.errors["max_wear_depth"],
         "depth_over_width": cycle.depth_over_width,
-        "friction_work": cycle.friction_work,
+        FRICTION_WORK: cycle.friction_work,
         **_of_contacts(cycle),
     }
 

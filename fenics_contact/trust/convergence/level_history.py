@@ -15,7 +15,8 @@ from typing import TypeVar
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.results.quantities import QuantityValue
+from fenics_contact.quantities.names import REACTION
+from fenics_contact.quantities.table import QuantityValue
 from fenics_contact.results.records.contacts import ReactionRecord, SupportRecord
 from fenics_contact.results.result import Result
 from fenics_contact.scene.quantity_names import Reaction
@@ -131,7 +132,7 @@ def _without_bar(found: Held, key: Reaction, keys: Sequence[Hashable]) -> Held:
     """A support, or supports of one name, likewise."""
     if key not in keys or not found.errors:
         return found
-    return dataclasses.replace(found, errors={"reaction": _stripped(found.errors["reaction"])})
+    return dataclasses.replace(found, errors={REACTION: _stripped(found.errors[REACTION])})
 
 
 def said(keys: Sequence[Hashable], result: Result) -> str:
@@ -172,7 +173,7 @@ def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Qua
         *result.reactions.items(),
     ]
     found += [
-        (Reaction(of), part.errors["reaction"], part.reaction) for of, part in parts if part.errors
+        (Reaction(of), part.errors[REACTION], part.reaction) for of, part in parts if part.errors
     ]
     return [row for row in found if row[2] is not None]
 

@@ -7,7 +7,10 @@ from collections.abc import Hashable, Mapping
 import numpy as np
 
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.quantities import QuantityValue
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import FRICTION_FORCE, REACTION
+from fenics_contact.quantities.quantity import Singular, Together
+from fenics_contact.quantities.table import QuantityValue
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.convergence.body_corners import Corner, singular_corners
@@ -15,12 +18,6 @@ from fenics_contact.trust.convergence.displacement_jumps import Jump, displaceme
 
 Row = dict[str, float | None]
 
-# Sums of tractions; and what follows the pressure's peak.
-_RESULTANTS = ("normal_force", "pressure_integral", "contact_force", "friction_force")
-_PEAKS = ("max_contact_pressure", "max_penetration", "penalty_energy")
-_ENERGIES = ("strain_energy", "external_work")
-# What has no bound at corners of bodies that are pressed, where forces and energies have one.
-_AT_CORNERS = ("max_contact_pressure", "max_penetration")
 # Over itself, below which a resultant is what loads make it, an area that of the whole surface: no
 # mesh changes it.
 _GIVEN = 1e-6
@@ -68,7 +65,7 @@ class Unbounded:
         for corner in self._corners:
             for key in rows:
                 number, name = key if isinstance(key, tuple) else (corner.contact, key)
-                if number == corner.contact and name in _AT_CORNERS and key not in why:
+                if number == corner.contact and _has_no_bound_at_corners(name) and key not in why:
                     found[key] = rows[key] | {"mesh": None, "total": None}
                     why[key] = self._of_corner(corner)
         return found, why
@@ -84,17 +81,17 @@ class Unbounded:
         if isinstance(key, Reaction):
             return self._is_of_supports(jump, key.of)
         number, name = key if isinstance(key, tuple) else (None, key)
-        if number is None and name in _ENERGIES:
+        if number is None and _follows(name) is Singular.ENERGY:
             return True
         contacts = jump.contacts if number is None else {number} & set(jump.contacts)
         touched = [self._problem.contacts[found] for found in contacts]
-        if name == "friction_force":
+        if name == FRICTION_FORCE:
             return any(contact.can_shear for contact in touched)
-        if name == "reaction" and number is None:
+        if name == REACTION and number is None:
             # Between supports, also of two bodies that touch, forces cancel in the sum.
             driven = [c for c in touched if not c.kinematics.faces_body]
             return bool(jump.supports and driven)
-        return bool(touched) and name in (*_RESULTANTS, *_PEAKS)
+        return bool(touched) and _follows(name) in (Singular.RESULTANT, Singular.PEAK)
 
     def _gives_way(self, jump: Jump) -> bool:
         return any(self._problem.contacts[number].floats for number in jump.contacts)
@@ -146,10 +143,22 @@ class Unbounded:
         return f"reaction of '{supports[key.of].label if isinstance(key.of, int) else key.of}'"
 
 
+def _follows(name: Hashable) -> Singular | None:
+    """What a quantity follows where stress has no bound."""
+    row = table.find(str(name))
+    return None if row is None else row.singular
+
+
+def _has_no_bound_at_corners(name: Hashable) -> bool:
+    """Whether it has none at corners of bodies that are pressed, as forces and energies have."""
+    row = table.find(str(name))
+    return row is not None and row.singular is Singular.PEAK and row.together is Together.LARGEST
+
+
 def _is_given(key: Hashable, row: Row, value: QuantityValue | None) -> bool:
     """Whether loads alone make a quantity what it is, so that the mesh has no part in it."""
     name = key[1] if isinstance(key, tuple) else key
-    if name in (*_PEAKS, *_ENERGIES) or row["mesh"] is None or value is None:
+    if _follows(name) in (Singular.PEAK, Singular.ENERGY) or row["mesh"] is None or value is None:
         return False
     return row["mesh"] <= _GIVEN * float(np.linalg.norm(value))
 

@@ -12,6 +12,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import (
+    EXTERNAL_WORK,
+    FRICTION_WORK,
+    PENALTY_ENERGY,
+    REACTION,
+    STRAIN_ENERGY,
+)
 from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, ReactionRecord, SupportRecord
 from fenics_contact.results.records.record import Quantities
@@ -77,7 +84,7 @@ class ErrorBudget:
             supports: Likewise.
         """
         of_contacts: list[dict[str, Row]] = [{} for _ in range(contacts)]
-        of = {key.of: {"reaction": row} for key, row in rows.items() if isinstance(key, Reaction)}
+        of = {key.of: {REACTION: row} for key, row in rows.items() if isinstance(key, Reaction)}
         preloads: dict[str, dict[str, Row]] = {}
         for key, row in rows.items():
             if isinstance(key, OfPreload):
@@ -144,8 +151,8 @@ def unknown_budget(scene: Scene, step: StepRecord) -> ErrorBudget:
     return ErrorBudget(
         quantities={name: row for name in _named(step.quantities)},
         contacts=[{name: row for name in _named(one.quantities)} for one in step.contacts],
-        supports=[{"reaction": row} for _ in step.supports],
-        reactions={name: {"reaction": row} for name in reactions_by_name(step.supports)},
+        supports=[{REACTION: row} for _ in step.supports],
+        reactions={name: {REACTION: row} for name in reactions_by_name(step.supports)},
         preloads={name: dict.fromkeys(OF_PRELOADS, row) for name in step.preloads},
     )
 
@@ -186,7 +193,7 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
         every = {key: row for key, row in rows.items() if isinstance(key, str)}
         none = {source for source, errors in found.items() if errors == {}}
         defect = steps[-1]["quantities"].get("energy_defect")
-        rows["external_work"] = _of_work(every, defect, none)
+        rows[EXTERNAL_WORK] = _of_work(every, defect, none)
     budget = ErrorBudget.of_rows(rows, len(problem.contacts), len(problem.applied_supports))
     return replace(budget, notes=notes, unbounded=why, local=estimates.local, coarse=coarse)
 
@@ -223,7 +230,7 @@ def _of_work(rows: Mapping[str, Row], defect: float | None, none: Set[str]) -> R
             where only sources that are not there make no error.
         none: These.
     """
-    names = ("strain_energy", "penalty_energy", "friction_work", "elastic_slip_energy")
+    names = (STRAIN_ENERGY, PENALTY_ENERGY, FRICTION_WORK, "elastic_slip_energy")
     parts = [rows[name] for name in names if name in rows]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
     if defect is None:

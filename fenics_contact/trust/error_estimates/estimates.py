@@ -10,6 +10,7 @@ from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -205,7 +206,7 @@ class Estimates:
         if found is not None and again.walk is None:
             found = without_losses(found)
         is_told = TOO_STIFF in self._notes
-        if found is not None and "max_contact_pressure" not in found and not is_told:
+        if found is not None and MAX_CONTACT_PRESSURE not in found and not is_told:
             self._notes.append(
                 "The largest contact pressure has no error bar: cells are too coarse there, or it "
                 "grows with every refinement, as under a corner of an obstacle."

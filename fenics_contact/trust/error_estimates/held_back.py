@@ -14,7 +14,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.quantities import QuantityValue
+from fenics_contact.quantities.table import QuantityValue
 from fenics_contact.solve.newton.solution import Solution
 
 TOO_STIFF = (

@@ -8,16 +8,14 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.evaluate.condensed_forces import CondensedForces
+from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.quantities import (
-    contact_quantities,
-    global_quantities,
-    preload_records,
-    support_records,
-)
+from fenics_contact.evaluate.quantities import global_quantities, preload_records, support_records
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.quantities import QUANTITIES, QuantityValue, reactions_by_name
+from fenics_contact.quantities import table
+from fenics_contact.quantities.table import QuantityValue
+from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.quantity_names import OF_PRELOADS, LossOfCycle, OfPreload, Reaction
@@ -143,4 +141,8 @@ def known_quantities(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityVa
     Args:
         quantities: By their names.
     """
-    return {name: quantities[name] for name in QUANTITIES if quantities.get(name) is not None}
+    return {
+        name: quantities[name]
+        for name in table.with_true_value()
+        if quantities.get(name) is not None
+    }

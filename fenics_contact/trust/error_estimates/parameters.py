@@ -17,6 +17,14 @@ import numpy as np
 
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    FRICTION_FORCE,
+    MAX_CONTACT_PRESSURE,
+    PRESSURE_INTEGRAL,
+    STICK_AREA,
+    STRAIN_ENERGY,
+)
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,
@@ -36,14 +44,14 @@ _LEFT = 1 / 32
 # each contact and those of all.
 _LARGE = 1e-2
 _OF_A_CONTACT = (
-    ("pressure_integral", "pressure_integral"),
-    ("friction_force", "pressure_integral"),
+    (PRESSURE_INTEGRAL, PRESSURE_INTEGRAL),
+    (FRICTION_FORCE, PRESSURE_INTEGRAL),
 )
 _OF_ALL = (
-    ("max_contact_pressure", "max_contact_pressure"),
-    ("contact_area", "contact_area"),
-    ("stick_area", "contact_area"),
-    ("strain_energy", "strain_energy"),
+    (MAX_CONTACT_PRESSURE, MAX_CONTACT_PRESSURE),
+    (CONTACT_AREA, CONTACT_AREA),
+    (STICK_AREA, CONTACT_AREA),
+    (STRAIN_ENERGY, STRAIN_ENERGY),
 )
 # Of the solver's tolerance, for what its rest makes.
 _SHARPER = 1e-3

@@ -15,7 +15,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.quantities import QuantityValue
+from fenics_contact.quantities.table import QuantityValue
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import StepEnd
 from fenics_contact.solve.load_steps.load_steps import LoadSteps

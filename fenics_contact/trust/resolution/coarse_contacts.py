@@ -10,16 +10,13 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.state import STICK
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import FRICTION_WORK
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.resolution.points_across import ThinContact, thin_contact
 from fenics_contact.trust.resolution.unseen import LARGEST_UNSEEN, unseen
 from fenics_contact.trust.resolution.unseen_depth import governed_by_depth
 
-# Of a contact that is not resolved: what depends on how large it is, and how pressed where.
-_OF_ITS_SIZE = (
-    *("max_contact_pressure", "contact_area", "contact_radius", "max_penetration"),
-    *("stick_area", "slip_area", "stick_radius", "max_slip"),
-)
 # What cells become where contact is not seen, over what they are.
 _FINER = 0.25
 
@@ -114,4 +111,5 @@ def without_bars(keys: Iterable[Hashable], coarse: Sequence[CoarseContact]) -> l
 
 
 def _unknown_of(one: CoarseContact) -> tuple[str, ...]:
-    return (*_OF_ITS_SIZE, "friction_work") if one.sticks else _OF_ITS_SIZE
+    local = tuple(row.name for row in table.every() if row.is_local)
+    return (*local, FRICTION_WORK) if one.sticks else local

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from fenics_contact.common.parallel import largest
+from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.quantities import (
-    contact_quantities,
-    global_quantities,
-)
+from fenics_contact.evaluate.quantities import global_quantities
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.contacts import BranchContact
 from fenics_contact.results.records.steps import BranchRecord

@@ -18,8 +18,8 @@ import numpy as np
 
 from fenics_contact.contact.laws.normal import law_of
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.quantities import table
 from fenics_contact.results.records.record import Quantities
-from fenics_contact.scene.quantity_names import VECTORS
 from fenics_contact.scene.scene import Discretisation, Scene
 
 Element = Literal["P1", "Q1", "P2", "Q2"]
@@ -210,7 +210,7 @@ def rows_of(
         if name in _OF_PENALTIES and not expected:
             continue
         # Components of forces that vanish by symmetry are measured in the largest.
-        size = max(size_of(expected), force if name in VECTORS else 0.0)
+        size = max(size_of(expected), force if table.is_vector(name) else 0.0)
         error = size_of(np.subtract(quantities[name], expected))
         doubt = reference.doubt.get(name, 0.0)
         found.append(Row(case, setting, name, error, doubt, size, sources))

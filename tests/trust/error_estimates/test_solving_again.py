@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fenics_contact import Contact, Discretisation, Material, Obstacle, Run, Scene, Support
-from fenics_contact.evaluate.quantities import contact_quantities
+from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.simulation.studies.changes import with_changes
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.solve import solve

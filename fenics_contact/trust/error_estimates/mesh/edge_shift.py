@@ -25,6 +25,7 @@ from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.problem.drive import Disturbance
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import CONTACT_AREA, STICK_AREA
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
@@ -88,7 +89,7 @@ def edges_inside(problem: Problem, solution: Solution) -> list[Edge]:
     """Edges that pass through pieces of the surfaces, of all contacts; collective."""
     found = []
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
-        cuts = zip(("contact_area", "stick_area"), cut_areas(contact, state), strict=True)
+        cuts = zip((CONTACT_AREA, STICK_AREA), cut_areas(contact, state), strict=True)
         found += [Edge(number, name, cut) for name, cut in cuts if cut > 0]
     return found
 
@@ -151,7 +152,7 @@ def _scaled(load_steps: LoadSteps, edges: Sequence[Edge]) -> _Shift | None:
     assert load_steps.last is not None
     problem, solution = load_steps.problem, load_steps.last.solution
     touching, sticking = (
-        [edge for edge in edges if edge.area == name] for name in ("contact_area", "stick_area")
+        [edge for edge in edges if edge.area == name] for name in (CONTACT_AREA, STICK_AREA)
     )
     none = np.zeros_like(problem.load)
     found = None
@@ -203,8 +204,8 @@ def _areas(problem: Problem, solution: Solution) -> Quantities:
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
         zones = Zones(contact, state)
         closed = contact_area(zones)
-        found[number, "contact_area"] = closed
-        found[number, "stick_area"] = min(stick_area(zones), closed)
+        found[number, CONTACT_AREA] = closed
+        found[number, STICK_AREA] = min(stick_area(zones), closed)
     return found
 
 

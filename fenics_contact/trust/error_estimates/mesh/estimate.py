@@ -26,11 +26,26 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
-from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
-from fenics_contact.evaluate.contact_radii import radii
+from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, radii, stick_area
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.drive import Disturbance
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    CONTACT_FORCE,
+    CONTACT_RADIUS,
+    EXTERNAL_WORK,
+    FRICTION_FORCE,
+    FRICTION_WORK,
+    MAX_CONTACT_PRESSURE,
+    NORMAL_FORCE,
+    PRESSURE_INTEGRAL,
+    REACTION,
+    SLIP_AREA,
+    STICK_AREA,
+    STICK_RADIUS,
+    STRAIN_ENERGY,
+)
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.quantity_names import LossOfCycle, OfPreload, Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -77,13 +92,13 @@ _HALF, _MOST = 0.5, 3.0
 # Nor of energies: the potential energy is least at the answer, so that an edge's place changes it
 # at second order only, and its two parts follow it nearly. That is no theorem for each of them with
 # friction; in the 44 scenes at random with edges in large pieces all their bars held without it.
-_STATIONARY = ("strain_energy", "external_work")
+_STATIONARY = (STRAIN_ENERGY, EXTERNAL_WORK)
 # Distance of the two peaks, of the peak itself, from which it may have no bound at all: under
 # corners of obstacles it grows with every refinement.
 _UNBOUNDED = 0.2
 
 # What the local errors' energy ½ a(e, e) is of energies, at the least.
-_ENERGIES = {"strain_energy": 1.0, "external_work": 2.0}
+_ENERGIES = {STRAIN_ENERGY: 1.0, EXTERNAL_WORK: 2.0}
 
 
 def mesh_errors(
@@ -202,11 +217,9 @@ def _energies(answer: Quantities, error: float) -> dict[Hashable, float]:
         error: Energy of the local errors.
     """
     found: dict[Hashable, float] = {name: part * error for name, part in _ENERGIES.items()}
-    whole = float(np.linalg.norm(answer.get("strain_energy", 0.0)))
+    whole = float(np.linalg.norm(answer.get(STRAIN_ENERGY, 0.0)))
     for key, value in answer.items():
-        of_friction = key == "friction_work" or (
-            isinstance(key, tuple) and key[1] == "friction_work"
-        )
+        of_friction = key == FRICTION_WORK or (isinstance(key, tuple) and key[1] == FRICTION_WORK)
         if of_friction or isinstance(key, LossOfCycle):
             work = float(np.linalg.norm(value))
             found[key] = error * min(1.0, float(np.sqrt(work / whole))) if whole > 0 else error
@@ -274,12 +287,12 @@ def _beside_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float
 
     labels = [support.label for support in problem.applied_supports]
     for number, pinned in enumerate(pinned_friction(problem, solution)):
-        add(of_contact(number, "friction_force", "contact_force"), pinned.whole)
-        add(of_contact(number, "stick_area", "slip_area"), pinned.area)
+        add(of_contact(number, FRICTION_FORCE, CONTACT_FORCE), pinned.whole)
+        add(of_contact(number, STICK_AREA, SLIP_AREA), pinned.area)
         for support, unknown in pinned.at_supports.items():
-            add(["reaction", Reaction(support), Reaction(labels[support])], unknown)
+            add([REACTION, Reaction(support), Reaction(labels[support])], unknown)
         for other, unknown in pinned.at_contacts.items():
-            names = ("normal_force", "pressure_integral", "contact_force")
+            names = (NORMAL_FORCE, PRESSURE_INTEGRAL, CONTACT_FORCE)
             add(of_contact(other, *names), unknown)
     return found
 
@@ -290,7 +303,7 @@ def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float |
     None for peaks that may have no bound.
     """
     forces = BulkForces(problem, solution)
-    areas = {"contact_area": 0.0, "stick_area": 0.0, "slip_area": 0.0}
+    areas = {CONTACT_AREA: 0.0, STICK_AREA: 0.0, SLIP_AREA: 0.0}
     added: dict[Hashable, float | None] = {}
     peaks: list[float | None] = []
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
@@ -301,17 +314,17 @@ def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float |
             for cut, zone in zip(cut_areas(contact, state), zones, strict=True)
         )
         slipping = float(np.hypot(touching, sticking))
-        cuts = {"contact_area": touching, "stick_area": sticking, "slip_area": slipping}
+        cuts = {CONTACT_AREA: touching, STICK_AREA: sticking, SLIP_AREA: slipping}
         for name, cut in cuts.items():
             added[number, name] = cut
             areas[name] += cut
         for name, cut in _radii_cut(contact, state, cuts).items():
             added[number, name] = added[name] = cut
         peaks.append(_peak_error(forces, number))
-        added[number, "max_contact_pressure"] = peaks[-1]
+        added[number, MAX_CONTACT_PRESSURE] = peaks[-1]
     known = [peak for peak in peaks if peak is not None]
     of_all = max(known, default=0.0) if len(known) == len(peaks) else None
-    return added | areas | {"max_contact_pressure": of_all}
+    return added | areas | {MAX_CONTACT_PRESSURE: of_all}
 
 
 def _place_of_edge(cut: float, zone: float) -> float:
@@ -328,7 +341,7 @@ def _radii_cut(
     contact: ContactSurface, state: ContactState, cuts: dict[str, float]
 ) -> dict[str, float]:
     """What areas at the edges are of the radii of discs, dA = 2πr dr; collective."""
-    areas = {"contact_radius": "contact_area", "stick_radius": "stick_area"}
+    areas = {CONTACT_RADIUS: CONTACT_AREA, STICK_RADIUS: STICK_AREA}
     found = radii(Zones(contact, state))
     return {name: cuts[areas[name]] / (2 * np.pi * r) for name, r in found.items() if r}
 

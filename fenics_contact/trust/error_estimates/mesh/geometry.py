@@ -18,6 +18,18 @@ from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.drive import Disturbance
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    CONTACT_FORCE,
+    EXTERNAL_WORK,
+    FRICTION_FORCE,
+    FRICTION_WORK,
+    NORMAL_FORCE,
+    PRESSURE_INTEGRAL,
+    SLIP_AREA,
+    STICK_AREA,
+    STRAIN_ENERGY,
+)
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.mesh.missed_body import MissedBody, MissedForces
 from fenics_contact.trust.error_estimates.solving_again import (
@@ -30,8 +42,8 @@ from fenics_contact.trust.error_estimates.solving_again import (
 # Of the extent of a contact: what is missed is round-off of the nodes.
 _NONE = 1e-12
 # What goes with the length of a surface; and with its pressure's integral where that is given.
-_AREAS = ("contact_area", "stick_area", "slip_area")
-_OF_PRESSURE = ("pressure_integral", "friction_force", "friction_work")
+_AREAS = (CONTACT_AREA, STICK_AREA, SLIP_AREA)
+_OF_PRESSURE = (PRESSURE_INTEGRAL, FRICTION_FORCE, FRICTION_WORK)
 _ALL = (*_AREAS, *_OF_PRESSURE)
 
 
@@ -112,7 +124,7 @@ def _beside_forces(
     found: dict[Hashable, float] = {}
     if forces is not None:
         energy = abs(forces.elastic) / 2
-        found = {"strain_energy": energy, "external_work": 2 * energy + abs(forces.loads)}
+        found = {STRAIN_ENERGY: energy, EXTERNAL_WORK: 2 * energy + abs(forces.loads)}
     for number in range(len(load_steps.problem.contacts)):
         sizes = {name: float(np.linalg.norm(answer.get((number, name), 0.0))) for name in _ALL}
         longer = body.longer(number)
@@ -120,8 +132,8 @@ def _beside_forces(
         pressure = None if forces is None else body.of_pressure(number, load_steps.time)
         if pressure is not None:
             errors |= {name: pressure.share * sizes[name] for name in _OF_PRESSURE}
-            errors["normal_force"] = pressure.force
-            errors["contact_force"] = pressure.force + errors["friction_force"]
+            errors[NORMAL_FORCE] = pressure.force
+            errors[CONTACT_FORCE] = pressure.force + errors[FRICTION_FORCE]
         for name, error in errors.items():
             found[number, name] = error
             found[name] = found.get(name, 0.0) + error

@@ -16,6 +16,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import CONTACT_AREA, STICK_AREA
 from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.mesh.edge_shift import (
@@ -181,7 +182,7 @@ def _zones(problem: Problem, found: Quantities) -> list[bool]:
     for number, contact in enumerate(problem.contacts):
         touches, sticks = (
             float(np.linalg.norm(found.get((number, name), 0.0)))
-            for name in ("contact_area", "stick_area")
+            for name in (CONTACT_AREA, STICK_AREA)
         )
         whole, least = contact.trace.area, _NONE * contact.trace.area
         flags += [touches > least, touches >= whole - least, sticks > least]

@@ -27,9 +27,16 @@ from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP, ContactState
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    FRICTION_WORK,
+    MAX_SLIP,
+    SLIP_AREA,
+    STICK_AREA,
+)
 from fenics_contact.solve.newton.solution import Solution
 
-_AREAS = ("stick_area", "slip_area")
+_AREAS = (STICK_AREA, SLIP_AREA)
 # Shares of a piece that may be open, and what its end then carries over its other end.
 _OPEN = np.linspace(0.0, 0.5, 101)
 _CARRIED = 4 / 3 * (0.5 - _OPEN) ** 1.5 / np.sqrt(1 - _OPEN)
@@ -51,7 +58,7 @@ def unseen_zones(problem: Problem, solution: Solution) -> dict[Hashable, float]:
     found = _unseen_slip(problem, solution)
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
         area = _unseen_gap(contact, state)
-        for name in ("contact_area", *_AREAS):
+        for name in (CONTACT_AREA, *_AREAS):
             for key in (name, (number, name)):
                 found[key] = found.get(key, 0.0) + area
     return found
@@ -98,7 +105,7 @@ def _unseen_slip(problem: Problem, solution: Solution) -> dict[Hashable, float]:
         for name, unknown in _of_contact(contact, state).items():
             found[number, name] = unknown
             before = found.get(name, 0.0)
-            found[name] = max(before, unknown) if name == "max_slip" else before + unknown
+            found[name] = max(before, unknown) if name == MAX_SLIP else before + unknown
     return found
 
 
@@ -121,7 +128,7 @@ def _of_contact(contact: ContactSurface, state: ContactState) -> dict[str, float
     area, work, every = total(comm, sums)
     once = trace.area / float(every)  # quadrilaterals are cut twice
     found = dict.fromkeys(_AREAS, once * float(area))
-    return found | {"max_slip": largest(comm, slip), "friction_work": once * float(work)}
+    return found | {MAX_SLIP: largest(comm, slip), FRICTION_WORK: once * float(work)}
 
 
 def _slipping_share(used: Array, closed: Flags) -> Array:

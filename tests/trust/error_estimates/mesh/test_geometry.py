@@ -26,7 +26,7 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
-from fenics_contact.evaluate.quantities import contact_quantities
+from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.curved_sides import CurvedSides
 from fenics_contact.scene.obstacle import Obstacle

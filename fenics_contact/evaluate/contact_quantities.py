@@ -1,0 +1,189 @@
+"""Quantities of a contact from an answer: evaluators, each of one quantity or of a few."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fenics_contact.common.parallel import largest, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import OPEN, SLIP, ContactState
+from fenics_contact.evaluate.contact_areas import Zones, contact_area, radii, stick_area
+from fenics_contact.evaluate.contact_resultants import resultants
+from fenics_contact.evaluate.recovered_pressure import pressure_of_facets
+from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities import names, table
+from fenics_contact.quantities.quantity import Quantity
+from fenics_contact.solve.newton.solution import Solution
+
+
+@dataclass(frozen=True, eq=False)
+class ContactAnswer:
+    """A contact and an answer.
+
+    Attributes:
+        problem: The model, in the state of the answer.
+        solution: The answer.
+        number: Of the contact, in scene order.
+    """
+
+    problem: Problem
+    solution: Solution
+    number: int
+
+    @property
+    def contact(self) -> ContactSurface:
+        """The contact."""
+        return self.problem.contacts[self.number]
+
+    @property
+    def state(self) -> ContactState:
+        """What happens at its points."""
+        return self.solution.states[self.number]
+
+    @cached_property
+    def zones(self) -> Zones:
+        """Where it touches, and where it sticks; collective."""
+        return Zones(self.contact, self.state)
+
+
+#: Gives quantities of a contact by their names; collective.
+Evaluator = Callable[[ContactAnswer], Mapping[str, Any]]
+
+
+def contact_quantities(problem: Problem, solution: Solution, number: int) -> dict[str, Any]:
+    """All quantities of a contact by their names; collective.
+
+    Args:
+        problem: The model, in the state of the answer.
+        solution: The answer.
+        number: Of the contact, in scene order.
+    """
+    answer = ContactAnswer(problem, solution, number)
+    found: dict[str, Any] = {}
+    for evaluate in _EVALUATORS:
+        found |= evaluate(answer)
+    return found
+
+
+def register(quantity: Quantity, value: Callable[[ContactAnswer], float]) -> None:
+    """Add a quantity of contacts to the table, with its evaluation.
+
+    Args:
+        quantity: Its row.
+        value: Gives the quantity; collective.
+
+    Raises:
+        ValueError: There is a quantity of this name.
+    """
+    table.register(quantity)
+    _EVALUATORS.append(lambda answer: {quantity.name: value(answer)})
+
+
+def _resultants(answer: ContactAnswer) -> Mapping[str, Any]:
+    friction_force = answer.solution.friction_force[answer.number]
+    return resultants(answer.contact, answer.state, friction_force)
+
+
+def _peak_pressure(answer: ContactAnswer) -> Mapping[str, Any]:
+    comm, pressure = answer.contact.spaces.comm, pressure_of_facets(answer.contact, answer.state)
+    return {names.MAX_CONTACT_PRESSURE: largest(comm, pressure)}
+
+
+def _areas(answer: ContactAnswer) -> Mapping[str, Any]:
+    closed = contact_area(answer.zones)
+    sticking = min(stick_area(answer.zones), closed)
+    return {
+        names.CONTACT_AREA: closed,
+        names.STICK_AREA: sticking,
+        names.SLIP_AREA: closed - sticking,
+        **radii(answer.zones),
+    }
+
+
+def _penetration(answer: ContactAnswer) -> Mapping[str, Any]:
+    contact, gap = answer.contact, answer.state.gap
+    depth = np.where(np.isfinite(gap), -gap, 0.0)
+    deepest = max(largest(contact.spaces.comm, depth), 0.0) if contact.is_one_sided else 0.0
+    return {names.MAX_PENETRATION: deepest}
+
+
+def _slip(answer: ContactAnswer) -> Mapping[str, Any]:
+    slip = np.linalg.norm(answer.state.slip[answer.state.status != OPEN], axis=1)
+    return {names.MAX_SLIP: largest(answer.contact.spaces.comm, slip)}
+
+
+def _energies(answer: ContactAnswer) -> Mapping[str, Any]:
+    contact, state = answer.contact, answer.state
+    return {
+        names.FRICTION_WORK: contact.work.of_friction(state),
+        names.PENALTY_ENERGY: float(contact.trace.integral(state.penalty_energy)),
+    }
+
+
+def _wear(answer: ContactAnswer) -> Mapping[str, Any]:
+    return answer.contact.wear.quantities(answer.state)
+
+
+def _stored_along(answer: ContactAnswer) -> Mapping[str, Any]:
+    """Energy of elastic slip, where friction has such; collective."""
+    if not answer.contact.friction.stores_energy:
+        return {}
+    return {"elastic_slip_energy": answer.contact.work.in_elastic_slip(answer.state)}
+
+
+def _undecided(answer: ContactAnswer) -> Mapping[str, Any]:
+    """How many points slip by less than 2ε: with an ε twice as large they may stick.
+
+    A point that sticks creeps by ε times the share of its bound that it carries, whatever ε:
+    that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
+    """
+    contact, state = answer.contact, answer.state
+    if not contact.friction.has_regularisation:
+        return {}
+    slip = np.linalg.norm(contact.friction.scaled_slip(state.slip), axis=1)
+    slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
+    near = slips & (slip < 2 * contact.regularisation_parameter)
+    return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}
+
+
+def _of_two_bodies(answer: ContactAnswer) -> Mapping[str, Any]:
+    """How far they slid, over the contact's size, and the widest gap that closed; collective.
+
+    The slip is since it was found what faces what, the gap that of the meshes.
+    """
+    contact = answer.contact
+    if contact.sides.opposite is None:
+        return {}
+    gap = np.abs(contact.kinematics.gap[answer.state.status != OPEN])
+    return {**slid(contact), "closed_gap": largest(contact.spaces.comm, gap)}
+
+
+def slid(contact: ContactSurface) -> dict[str, float]:
+    """How far two bodies slid since it was found what faces what, if they do; collective."""
+    if contact.sides.opposite is None:
+        return {}
+    return {"slip_since_pairing": contact.slid_share()}
+
+
+def _motion(answer: ContactAnswer) -> Mapping[str, Any]:
+    """How far an obstacle went in, and besides; nothing where there is none, or no datum."""
+    obstacle, kinematics = answer.contact.contact.obstacle, answer.contact.kinematics
+    if obstacle is None:
+        return {}
+    found: dict[str, Any] = {}
+    if answer.problem.has_datum:
+        found[names.INDENTATION] = kinematics.brought_up + kinematics.indentation
+    if obstacle.displacement is not None:
+        found["obstacle_displacement"] = kinematics.displacement.tolist()
+    return found
+
+
+_EVALUATORS: list[Evaluator] = [
+    *(_resultants, _peak_pressure, _areas, _penetration, _slip, _energies, _wear),
+    *(_stored_along, _undecided, _of_two_bodies, _motion),
+]

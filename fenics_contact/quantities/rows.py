@@ -1,0 +1,330 @@
+"""Rows of the table of quantities."""
+
+from __future__ import annotations
+
+from fenics_contact.quantities import names
+from fenics_contact.quantities.quantity import Edge, Quantity, Singular, Together
+
+#: In the order in which they are shown.
+ROWS = (
+    Quantity(
+        names.NORMAL_FORCE,
+        "force",
+        "resultant of the contact pressure along the axis of the contact, > 0 when it pushes. "
+        "The axis is that along which an obstacle is driven, by default its normal. Where "
+        "there is no obstacle, or one that has neither a shape nor a direction, the axis is "
+        "the mean normal of the whole surface `on`, touching or not; between bodies it is the "
+        "mean normal of `on` less that of `against`. Components across planes of symmetry "
+        "that the surface ends in, and the radius of an axisymmetric model, are left out of "
+        "it. `null` where that mean normal is shorter than .5: the surface wraps around, and "
+        "no one direction stands for it",
+        together=Together.OF_THE_ONLY,
+        is_asked_for=True,
+        instead=names.PRESSURE_INTEGRAL,
+        singular=Singular.RESULTANT,
+        no_value="none, the surface wraps around",
+    ),
+    Quantity(
+        names.PRESSURE_INTEGRAL,
+        "force",
+        "∫ p dA, also where `normal_force` is `null`. On a flat surface the two are equal; on "
+        "a curved one the integral is larger",
+        together=Together.OF_THE_ONLY,
+        is_asked_for=True,
+        singular=Singular.RESULTANT,
+        is_secondary=True,
+    ),
+    Quantity(
+        names.FRICTION_FORCE,
+        "force",
+        "resultant of the friction traction, a vector. On a curved surface it has a part "
+        "along the axis",
+        together=Together.OF_THE_ONLY,
+        is_vector=True,
+        is_asked_for=True,
+        relative_to=names.NORMAL_FORCE,
+        singular=Singular.RESULTANT,
+        needs="friction",
+    ),
+    Quantity(
+        names.CONTACT_FORCE,
+        "force",
+        "resultant of pressure and friction together, a vector: what loads, other contacts "
+        "and supports balance",
+        together=Together.OF_THE_ONLY,
+        is_vector=True,
+        is_asked_for=True,
+        singular=Singular.RESULTANT,
+        is_secondary=True,
+    ),
+    Quantity(
+        names.REACTION,
+        "force",
+        "resultant of all supports on the bodies, a vector; each support's own is under `supports`",
+        is_vector=True,
+        is_asked_for=True,
+    ),
+    Quantity(
+        names.INDENTATION,
+        "length",
+        "how far a rigid obstacle has been driven, where there is one",
+        together=Together.OF_THE_ONE,
+        is_of_some=True,
+        is_asked_for=True,
+        needs="contact found",
+    ),
+    Quantity(
+        names.MAX_CONTACT_PRESSURE,
+        "stress",
+        "the largest pressure at a contact point; on quadratic triangles that of the function "
+        "on the facets which is nearest to the pressures at the points and has the same "
+        "forces",
+        together=Together.LARGEST,
+        is_asked_for=True,
+        is_local=True,
+        singular=Singular.PEAK,
+    ),
+    Quantity(
+        names.MAX_PENETRATION,
+        "length",
+        "the deepest overlap that the penalty leaves, or the depth in a foundation",
+        together=Together.LARGEST,
+        is_local=True,
+        singular=Singular.PEAK,
+        needs="contact found",
+    ),
+    Quantity(
+        names.CONTACT_AREA,
+        "area",
+        "area in contact; its edge is found inside the elements",
+        together=Together.SUM,
+        is_asked_for=True,
+        edges=(Edge.CONTACT,),
+        is_local=True,
+    ),
+    Quantity(
+        names.STICK_AREA,
+        "area",
+        "the part of it that sticks",
+        together=Together.SUM,
+        is_asked_for=True,
+        relative_to=names.CONTACT_AREA,
+        edges=(Edge.STICK,),
+        is_local=True,
+        needs="friction",
+    ),
+    Quantity(
+        names.SLIP_AREA,
+        "area",
+        "the part of it that slips. Without friction all of it slips",
+        together=Together.SUM,
+        is_asked_for=True,
+        relative_to=names.CONTACT_AREA,
+        edges=(Edge.CONTACT, Edge.STICK),
+        is_local=True,
+        needs="friction",
+    ),
+    Quantity(
+        names.CONTACT_RADIUS,
+        "length",
+        "in axisymmetric models, of a surface that reaches the axis: radius of the disc that "
+        "touches around the axis. 0 where nothing touches; `null` where something touches, "
+        "but not at the axis",
+        together=Together.OF_THE_ONE,
+        is_of_some=True,
+        is_asked_for=True,
+        edges=(Edge.CONTACT,),
+        is_local=True,
+        no_value="none, no contact at the axis",
+    ),
+    Quantity(
+        names.STICK_RADIUS,
+        "length",
+        "likewise, of the disc that sticks",
+        together=Together.OF_THE_ONE,
+        is_of_some=True,
+        is_asked_for=True,
+        relative_to=names.CONTACT_RADIUS,
+        edges=(Edge.STICK,),
+        is_local=True,
+        needs="friction",
+        no_value="none, no stick at the axis",
+    ),
+    Quantity(
+        names.MAX_SLIP,
+        "length",
+        "the largest slip since the start **of points that touch** at the end; 0 where none "
+        "touches. Open points have no slip to speak of, whatever `contact.csv` says of their "
+        "motion",
+        together=Together.LARGEST,
+        is_asked_for=True,
+        is_local=True,
+        needs="friction",
+    ),
+    Quantity(
+        names.STRAIN_ENERGY, "energy", "½ a(u, u)", is_asked_for=True, singular=Singular.ENERGY
+    ),
+    Quantity(
+        names.EXTERNAL_WORK,
+        "energy",
+        "work of loads, supports, obstacles, preloads and interferences along the load steps; "
+        "of a single step that of the final forces on the final displacements, which is twice "
+        "the strain energy where all grows in proportion. An interference does work on its "
+        "way beyond a gap that is drawn",
+        is_asked_for=True,
+        singular=Singular.ENERGY,
+        is_secondary=True,
+    ),
+    Quantity(
+        names.FRICTION_WORK,
+        "energy",
+        "dissipated by friction since the start, ≥ 0; where friction has micro-slip, less "
+        "what rising pressures add to `elastic_slip_energy`, which can make it negative",
+        together=Together.SUM,
+        is_asked_for=True,
+        relative_to=names.STRAIN_ENERGY,
+        needs="friction",
+    ),
+    Quantity(
+        "worn_volume",
+        "volume",
+        "what both surfaces together have lost by wear since the start",
+        together=Together.SUM,
+        is_of_some=True,
+    ),
+    Quantity(
+        "max_wear_depth",
+        "length",
+        "the deepest wear at a contact point, of both surfaces together",
+        together=Together.LARGEST,
+        is_of_some=True,
+    ),
+    Quantity(
+        "worn_volume_on",
+        "volume",
+        "the part of `worn_volume` that the surface `on` has lost, where `wear.share` says it",
+        together=Together.SUM,
+        is_of_some=True,
+    ),
+    Quantity(
+        "worn_volume_against",
+        "volume",
+        "likewise of the surface `against`",
+        together=Together.SUM,
+        is_of_some=True,
+    ),
+    Quantity(
+        "max_wear_depth_on",
+        "length",
+        "the part of `max_wear_depth` that the surface `on` has lost, likewise",
+        together=Together.LARGEST,
+        is_of_some=True,
+    ),
+    Quantity(
+        "max_wear_depth_against",
+        "length",
+        "likewise of the surface `against`",
+        together=Together.LARGEST,
+        is_of_some=True,
+    ),
+    Quantity(
+        names.PENALTY_ENERGY,
+        "energy",
+        "in the springs of penalty, foundation or glue",
+        together=Together.SUM,
+        is_asked_for=True,
+        singular=Singular.PEAK,
+        is_secondary=True,
+    ),
+    Quantity(
+        "elastic_slip_energy",
+        "energy",
+        "stored along surfaces whose friction has micro-slip, in the slip that goes back",
+        together=Together.SUM,
+        is_of_some=True,
+        needs="friction",
+    ),
+    Quantity(
+        "kinetic_energy",
+        "energy",
+        "½ v · M v, where bodies move (`[motion]`)",
+    ),
+    Quantity(
+        "left_out_kinetic_energy",
+        "energy",
+        "of what gives way beside the modes of `motion.modes`, which take it for none",
+    ),
+    Quantity(
+        "damping_work",
+        "energy",
+        "what `motion.rayleigh` and `motion.absorbing` took since the start",
+    ),
+    Quantity(
+        "momentum",
+        "impulse",
+        "of all that moves, a vector; of a revolution its part along the axis",
+        is_vector=True,
+    ),
+    Quantity(
+        "impulse",
+        "impulse",
+        "∫ `contact_force` dt since the start, a vector, where bodies move",
+        together=Together.OF_THE_ONE,
+        is_of_some=True,
+        is_vector=True,
+    ),
+    Quantity(
+        "energy_defect",
+        "energy",
+        "what the load steps leave open of the balance of work and energies; not of a single step",
+        has_true_value=False,
+    ),
+    Quantity(
+        f"{names.OF_POINTS}NAME",
+        "length",
+        "at each `[[point]]`, a vector",
+        is_vector=True,
+        is_asked_for=True,
+    ),
+    Quantity(
+        "obstacle_displacement",
+        "length",
+        "how far an obstacle has been moved besides, a vector, where the scene moves it",
+        together=Together.NOT_THERE,
+        has_true_value=False,
+    ),
+    Quantity(
+        "slip_share",
+        "",
+        "with friction: how much of what it can hold against rigid slip of one side along the "
+        "other it does hold, 0 … 1: the largest ∫ τ · r dA / ∫ g |r| dA of rigid motions r "
+        "along all that touches, with the traction τ and its bound g; of a torque, too. "
+        "`null` where no rigid motion slips along all that touches, as of a key, or of a cone "
+        "that has no rotation",
+        together=Together.NOT_THERE,
+        has_true_value=False,
+        no_value="-",
+    ),
+    Quantity(
+        "undecided_points",
+        "",
+        "with friction: how many points slip by less than 2ε",
+        together=Together.NOT_THERE,
+        has_true_value=False,
+    ),
+    Quantity(
+        "slip_since_pairing",
+        "",
+        "between bodies: largest slip of points that touch since it was found what faces "
+        "what, over the size of the contact",
+        together=Together.NOT_THERE,
+        has_true_value=False,
+    ),
+    Quantity(
+        "closed_gap",
+        "length",
+        "between bodies: the widest gap of the meshes that has closed",
+        together=Together.NOT_THERE,
+        has_true_value=False,
+    ),
+)

@@ -1,0 +1,120 @@
+"""The table of quantities, and what is asked of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fenics_contact.quantities.names import OF_POINTS
+from fenics_contact.quantities.quantity import Edge, Quantity, Together
+from fenics_contact.quantities.rows import ROWS
+
+# Of a quantity: a number, or the components of a vector.
+QuantityValue = float | Sequence[float]
+
+#: What quantities of preloads measure.
+MEASURED_BY_PRELOADS = {"force": "force", "elongation": "length"}
+_POINT = f"{OF_POINTS}NAME"  # the row of the displacement of each point
+
+_TABLE = {row.name: row for row in ROWS}
+
+
+def register(quantity: Quantity) -> None:
+    """Add a row to the table.
+
+    Args:
+        quantity: The row. Its evaluation is registered beside it, by
+            ``evaluate.evaluators.register``.
+
+    Raises:
+        ValueError: There is a quantity of this name.
+    """
+    if find(quantity.name) is not None:
+        raise ValueError(f"there is a quantity '{quantity.name}'")
+    _TABLE[quantity.name] = quantity
+
+
+def remove(name: str) -> None:
+    """Take out a row that was registered.
+
+    Args:
+        name: Of the quantity.
+    """
+    del _TABLE[name]
+
+
+def every() -> tuple[Quantity, ...]:
+    """All rows, in the order in which they are shown."""
+    return tuple(_TABLE.values())
+
+
+def find(name: str) -> Quantity | None:
+    """The row of a quantity; None where there is none of this name.
+
+    >>> find("displacement_tip").unit, find("displacement_tip").is_vector
+    ('length', True)
+    """
+    return _TABLE.get(_POINT if name.startswith(OF_POINTS) else name)
+
+
+def with_true_value() -> tuple[str, ...]:
+    """Names of those that have a true value and the same name in every run."""
+    return tuple(one.name for one in every() if one.has_true_value and one.name != _POINT)
+
+
+def made_as(together: Together) -> tuple[Quantity, ...]:
+    """Those whose whole model's value follows from the contacts' in one way."""
+    return tuple(one for one in every() if one.together is together)
+
+
+def resultants_of_contacts() -> tuple[str, ...]:
+    """Names of those that the whole model has from its only contact, and several have not."""
+    return tuple(one.name for one in made_as(Together.OF_THE_ONLY))
+
+
+def asked_of_contacts() -> tuple[str, ...]:
+    """Names of those that a scene can ask of a contact by its name."""
+    return tuple(one.name for one in every() if one.is_asked_for and one.together is not None)
+
+
+def asked_of_all() -> tuple[str, ...]:
+    """Names of those that a scene can ask of the whole model, but displacements of points."""
+    return tuple(one.name for one in every() if one.is_asked_for and one.name != _POINT)
+
+
+def bounded_by(edge: Edge) -> tuple[str, ...]:
+    """Names of those that an edge on a contact surface bounds."""
+    return tuple(one.name for one in every() if edge in one.edges)
+
+
+def edges_of(name: str) -> tuple[Edge, ...]:
+    """The edges that an area or a radius ends at, which jumps from cell to cell with them.
+
+    >>> edges_of("slip_area"), edges_of("normal_force")
+    ((<Edge.CONTACT: 0>, <Edge.STICK: 1>), ())
+    """
+    row = find(name)
+    return () if row is None else row.edges
+
+
+def has_true_value(name: str) -> bool:
+    """Whether a quantity has a true value to be apart from: then an error bar, or a ``?``."""
+    row = find(name)
+    return row is not None and row.has_true_value
+
+
+def is_vector(name: str) -> bool:
+    """Whether a quantity has a component along each axis."""
+    row = find(name)
+    return row is not None and row.is_vector
+
+
+def is_resultant_of_contact(name: str) -> bool:
+    """Whether the whole model has a quantity from its only contact, and several have not."""
+    row = find(name)
+    return row is not None and row.together is Together.OF_THE_ONLY
+
+
+def measured_by(name: str) -> str:
+    """What a quantity measures, such as ``stress``; empty of a pure number, or one not known."""
+    row = find(name)
+    return "" if row is None else row.unit
