@@ -11,6 +11,7 @@ from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.existence.slip_shares import HELD, slip_shares
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import CONTACT_AREA
 from fenics_contact.results.check_messages import failure
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
@@ -173,7 +174,7 @@ def untouched(problem: Problem, solution: Solution, steps: Sequence[StepRecord] 
     left = set()
     if problem.inertia is not None:
         rows = [row for step in steps for row in step.contacts]
-        left = {row.name for row in rows if row.quantities.get("contact_area", 0.0) > 0}
+        left = {row.name for row in rows if row.quantities.get(CONTACT_AREA, 0.0) > 0}
     touched = [
         largest(problem.comm, np.abs(state.contact_pressure)) > 0 for state in solution.states
     ]

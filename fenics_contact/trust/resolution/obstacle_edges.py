@@ -20,6 +20,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import CONTACT_AREA, CONTACT_RADIUS
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.mesh.geometry import set_gap
 from fenics_contact.trust.error_estimates.solving_again import Measure, differences, last_step_again
@@ -27,7 +28,7 @@ from fenics_contact.trust.error_estimates.solving_again import Measure, differen
 # Of a piece, where the obstacle of an answer ends, and what is not known of that.
 _ENDS, _UNKNOWN = 0.3, 0.15
 # The edge itself is where the scene says.
-_KNOWN = ("contact_area", "contact_radius")
+_KNOWN = (CONTACT_AREA, CONTACT_RADIUS)
 
 
 def obstacle_edge_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
