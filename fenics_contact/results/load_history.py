@@ -110,7 +110,7 @@ class History:
             means = np.array([row.displacement for row in rows], dtype=np.float64)
             moved = np.where(held, means, 0.0)
             reaction = np.array([row.reaction for row in rows], dtype=np.float64) * held
-            where = f"the support '{support.label}'"
+            where = f"the support '{support.name}'"
             yield from _along(where, moved, reaction, REACTION, "R")
 
     def _loads(self) -> Iterator[Drive]:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fenics_contact.quantities import table
-from fenics_contact.quantities.names import PRESSURE_INTEGRAL
 from fenics_contact.results.records.contacts import ContactRecord, SupportRecord
-from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.normal_laws import NormalLawTable
 from fenics_contact.scene.obstacle import Obstacle
@@ -41,15 +39,12 @@ def secondary_quantities(contacts: Sequence[ContactRecord]) -> set[str]:
     return found
 
 
-def without_value(name: str, quantities: Quantities) -> str:
+def without_value(name: str) -> str:
     """Why a quantity of a contact has no value, in words.
 
     Args:
         name: Of the quantity.
-        quantities: All of the contact, or of the whole model with this contact alone.
     """
-    if quantities.get(PRESSURE_INTEGRAL) is None:
-        return "not known"  # an earlier version of the program has not written it
     row = table.find(name)
     return "none" if row is None else row.no_value
 
@@ -58,6 +53,6 @@ def reactions_by_name(supports: Sequence[SupportRecord]) -> dict[str, list[float
     """Resultant of the supports of each name."""
     found: dict[str, list[float]] = {}
     for support in supports:
-        before = found.get(support.label, [0.0] * len(support.reaction))
-        found[support.label] = [a + b for a, b in zip(before, support.reaction, strict=True)]
+        before = found.get(support.name, [0.0] * len(support.reaction))
+        found[support.name] = [a + b for a, b in zip(before, support.reaction, strict=True)]
     return found

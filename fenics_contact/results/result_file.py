@@ -10,7 +10,6 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.results.earlier_results import is_earlier, result_in_todays_terms
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.records.steps import StepRecord
 
@@ -22,7 +21,7 @@ def _reader_of(kind: Any) -> TypeAdapter[Any]:
 
 
 def read_result(folder: Path) -> RunRecord:
-    """The content of a run's ``result.json``, in today's terms if an earlier version wrote it.
+    """The content of a run's ``result.json``.
 
     Raises:
         InputError: There is none, or it is not one of this program; says what is wrong.
@@ -39,20 +38,17 @@ def read_result(folder: Path) -> RunRecord:
 
 
 def record_of(content: Any) -> RunRecord:
-    """What was read from a ``result.json``, in today's terms.
+    """What was read from a ``result.json``.
 
     Raises:
         ValidationError: It is not one of this program.
     """
     reader: TypeAdapter[RunRecord] = _reader_of(RunRecord)
-    record = reader.validate_python(content)
-    if not any(is_earlier(contact.quantities) for contact in record.contacts):
-        return record
-    return reader.validate_python(result_in_todays_terms(content))
+    return reader.validate_python(content)
 
 
 def steps_of(content: list[dict[str, Any]]) -> list[StepRecord]:
-    """Load steps as they stand in a file, in today's terms.
+    """Load steps as they stand in a file.
 
     Raises:
         ValidationError: They are not those of this program.

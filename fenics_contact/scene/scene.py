@@ -20,6 +20,7 @@ from fenics_contact.scene.asked.tolerances import as_tolerances
 from fenics_contact.scene.asked.vibration import Damping, Modes
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.fit import require_fit
+from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import load_steps_of
@@ -100,13 +101,16 @@ class Scene(HasUnits):
     mesh: Annotated[
         tuple[MeshSource, ...],
         BeforeValidator(as_list, json_schema_input_type=MeshSource | tuple[MeshSource, ...]),
+        FREE_AT_RESUME,
         Field(
             max_length=_MOST,
             description="one `[mesh]`, or several `[[mesh]]`, each with a `name`; in Python it may "
             "be left out and a `Body` passed instead",
         ),
     ] = ()
-    title: Annotated[str, Field(description="one line for results and pictures")] = ""
+    title: Annotated[
+        str, FREE_AT_RESUME, Field(description="one line for results and pictures")
+    ] = ""
     thickness: Annotated[
         Value | None,
         LENGTH,
@@ -152,11 +156,13 @@ class Scene(HasUnits):
     ] = None
     derivatives: Annotated[
         AskedDerivatives | None,
+        FREE_AT_RESUME,
         Field(description="derivatives of quantities in numbers of the scene that are to be found"),
     ] = None
     tolerances: Annotated[
         Mapping[str, Positive],
         BeforeValidator(as_tolerances, json_schema_input_type=Mapping[str, Any]),
+        FREE_AT_RESUME,
         Field(
             description="how far numbers of the scene may be off: key as of `--set` → ±, such as "
             "`contact.0.friction_coefficient = 0.05`; what that makes of each quantity of "
@@ -165,22 +171,26 @@ class Scene(HasUnits):
     ] = Field(default_factory=dict)
     fretting: Annotated[
         Fretting | None,
+        FREE_AT_RESUME,
         Field(description="criteria of fatigue by the stress near contacts, over the last cycle"),
     ] = None
     modes: Annotated[
         Modes | None,
+        FREE_AT_RESUME,
         Field(description="natural modes about the state after the last load step"),
     ] = None
     damping: Annotated[
         Damping | None,
+        FREE_AT_RESUME,
         Field(description="modes that are driven to and fro about that state: what joints damp"),
     ] = None
     stability: Annotated[
         Stability | None,
+        FREE_AT_RESUME,
         Field(description="complex modes about that state, which is one of steady sliding: squeal"),
     ] = None
-    steps: Annotated[Steps, Field(description="load steps, by default one")] = Field(
-        default_factory=Steps
+    steps: Annotated[Steps, FREE_AT_RESUME, Field(description="load steps, by default one")] = (
+        Field(default_factory=Steps)
     )
     cycles: Annotated[
         Cycles | None, Field(description="a piece of all load paths that runs again and again")
@@ -188,11 +198,12 @@ class Scene(HasUnits):
     motion: Annotated[
         Motion | None, Field(description="bodies have mass, and move in real time")
     ] = None
-    solver: Annotated[SolverSettings, Field(description="the nonlinear solver")] = Field(
-        default_factory=SolverSettings
+    solver: Annotated[SolverSettings, FREE_AT_RESUME, Field(description="the nonlinear solver")] = (
+        Field(default_factory=SolverSettings)
     )
     units: Annotated[
         Units | None,
+        FREE_AT_RESUME,
         Field(
             description="of all numbers of the scene and of its results, which are then named "
             'with them; values may then also be texts with a unit, such as `"210 GPa"`'

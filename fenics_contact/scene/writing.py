@@ -12,6 +12,7 @@ import tomlkit
 from tomlkit.items import Table
 
 from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.scene.given_keys import given_keys
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Path as LoadPath
 from fenics_contact.scene.values import Profile
@@ -87,11 +88,7 @@ def _path_from(folder: Path, file: str) -> str:
 
 def _table(part: Any) -> dict[str, Any]:
     """A part of a scene by keys, without those that have their defaults."""
-    return {
-        name: _plain(getattr(part, name), name)
-        for name, field in part.__pydantic_fields__.items()
-        if getattr(part, name) != field.get_default(call_default_factory=True)
-    }
+    return {name: _plain(value, name) for name, value in given_keys(part).items()}
 
 
 class _Inline(dict[str, Any]):

@@ -47,6 +47,7 @@ def content(**changes):
         "quantities": quantities | {"reaction": [0.0, -200.0]},
         "errors": {"normal_force": row(4.7), "reaction": row(3.7e-15)},
         "supports": [{"name": "wall", "on": "left", "reaction": [0.0, -200.0]}],
+        "reactions": {"wall": {"reaction": [0.0, -200.0]}},
         "preloads": {"bolt": preload | {"locked": False, "errors": {"force": row(50.0)}}},
         "model": {"kinematics": "3D"},
         "units": UNITS,

@@ -12,7 +12,6 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.quantities.names import (
     CONTACT_AREA,
     MAX_CONTACT_PRESSURE,
-    NORMAL_FORCE,
     PRESSURE_INTEGRAL,
 )
 from fenics_contact.report.contacts.curves import formula_words
@@ -159,9 +158,7 @@ def draw_axis_stress(
 def _unit(quantities: Quantities) -> tuple[float, str]:
     """The peak of the pressure, or its mean where the peak is singular, and what it is called."""
     peak = quantities[MAX_CONTACT_PRESSURE]
-    carried = quantities.get(PRESSURE_INTEGRAL)  # not known of a run from before there was one
-    carried = quantities[NORMAL_FORCE] if carried is None else carried
-    mean = abs(carried) / quantities[CONTACT_AREA]
+    mean = abs(quantities[PRESSURE_INTEGRAL]) / quantities[CONTACT_AREA]
     if peak > _SINGULAR * mean:
         return mean, "the mean pressure, $p_m$"
     return peak, "the peak of the pressure, $p_0$"

@@ -112,10 +112,7 @@ def frame_rows(rows: ContactTable, body: UnstructuredGrid, contact: ContactRecor
     rows, nodes = nodes_at(body, rows, contact)
     fields: dict[str, Array] = {}
     for array in (*WRITTEN, *contact.own_arrays):
-        if array.name in body.point_data:
-            values = np.asarray(body[array.name]).reshape(-1, len(array.columns))[nodes]
-        else:  # gaps and slips in files of earlier versions
-            values = np.full((len(nodes), len(array.columns)), np.nan)
+        values = np.asarray(body[array.name]).reshape(-1, len(array.columns))[nodes]
         fields |= dict(zip(array.columns, values.T, strict=True))
     status = _STATUS[np.asarray(body["status"])[nodes].round().astype(int)]
     return replace(rows, status=status, numbers=rows.numbers | fields)

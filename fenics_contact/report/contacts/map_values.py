@@ -168,8 +168,7 @@ def slip_arrows(
     """
     slides = surface.arrows[rows.status[surface.arrows] == "SLIP"]
     slip = surface.along(rows.vectors("slip_x", "slip_y", "slip_z"))
-    is_known = np.isfinite(slip).all(axis=1)  # not in fields of earlier versions
-    slides = slides[is_known[slides]] if contact.carries_shear else slides[:0]
+    slides = slides if contact.carries_shear else slides[:0]
     return slides, slip[slides]
 
 

@@ -83,22 +83,14 @@ def contact_pieces(
     """The surface of a contact, of its points that are nodes.
 
     Args:
-        body: A pyvista grid with the field ``status`` and, in files of this version, with the
-            facets of contacts.
+        body: A pyvista grid with the field ``status`` and the facets of contacts.
         rows: Points of the contact.
         contact: Its entry in ``result.json``.
     """
     found, nodes = _nodes_at(body, rows, contact)
     number = np.full(body.n_points, -1)
     number[nodes] = np.arange(len(nodes))
-    facets = _facets(body, contact)
-    if facets is None:  # of an earlier version: those between its nodes
-        cell, cells = cells_of(body)
-        every = np.concatenate([cells[:, list(facet)] for facet in cell.facets])
-        every = every[(number[every] >= 0).all(axis=1)]
-        _, first = np.unique(np.sort(every, axis=1), axis=0, return_index=True)
-        facets = every[first]
-    pieces = number[_simplices(facets, flat=_is_flat(body))]
+    pieces = number[_simplices(_facets(body, contact), flat=_is_flat(body))]
     return ContactPieces(found, nodes, pieces[(pieces >= 0).all(axis=1)])
 
 
@@ -135,12 +127,9 @@ def _nodes_at(
     return rows.rows(drawn), on_contact[found[drawn]]
 
 
-def _facets(body: UnstructuredGrid, contact: ContactRecord) -> Integers | None:
-    """Nodes of the facets that carry a contact, (facets, nodes); None in earlier files."""
-    name = facet_flags(contact.name)
-    if name not in body.cell_data:
-        return None
-    flags = np.asarray(body.cell_data[name]).astype(np.int64)
+def _facets(body: UnstructuredGrid, contact: ContactRecord) -> Integers:
+    """Nodes of the facets that carry a contact, (facets, nodes)."""
+    flags = np.asarray(body.cell_data[facet_flags(contact.name)]).astype(np.int64)
     cell, cells = cells_of(body)
     parts = [cells[flags >> i & 1 == 1][:, list(facet)] for i, facet in enumerate(cell.facets)]
     return np.concatenate(parts)

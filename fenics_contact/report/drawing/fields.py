@@ -84,16 +84,11 @@ def _grids(path: Path, numbers: Iterable[int]) -> Iterator[tuple[float, Unstruct
 def joined(grid: UnstructuredGrid) -> UnstructuredGrid:
     """The grid without the nodes that pieces of several ranks share, which each of them has.
 
-    Nodes of two bodies that lie at the same place stay apart: in files of earlier versions, which
-    do not say what body a cell is of, because of a contact only one has a status.
+    Nodes of two bodies that lie at the same place stay apart.
     """
-    size, moved = np.ptp(grid.points, axis=0).max(), np.abs(grid["displacement"]).max() or 1.0
-    of_body = body_of_nodes(grid)
-    if of_body is None:
-        apart = [grid["displacement"] / moved, grid["status"]]
-    else:
-        apart = [of_body.astype(float)]
-    shared = np.round(np.column_stack([grid.points / size, *apart]) / _SAME)
+    size = np.ptp(grid.points, axis=0).max()
+    apart = body_of_nodes(grid).astype(float)
+    shared = np.round(np.column_stack([grid.points / size, apart]) / _SAME)
     _, first, where = np.unique(shared, axis=0, return_index=True, return_inverse=True)
     nodes = where.reshape(-1)[grid.cell_connectivity].reshape(grid.n_cells, -1)  # of one type
     sizes = np.full((grid.n_cells, 1), nodes.shape[1])
@@ -105,10 +100,8 @@ def joined(grid: UnstructuredGrid) -> UnstructuredGrid:
     return whole
 
 
-def body_of_nodes(grid: UnstructuredGrid) -> Integers | None:
-    """Number of the connected part of each node, (nodes,); None in files of earlier versions."""
-    if BODY_OF_CELLS not in grid.cell_data:
-        return None
+def body_of_nodes(grid: UnstructuredGrid) -> Integers:
+    """Number of the connected part of each node, (nodes,)."""
     found = np.zeros(grid.n_points, dtype=np.int64)
     nodes = grid.cell_connectivity.reshape(grid.n_cells, -1)  # all cells are of one type
     found[nodes] = np.asarray(grid.cell_data[BODY_OF_CELLS])[:, None]

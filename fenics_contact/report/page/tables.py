@@ -20,7 +20,6 @@ from fenics_contact.results.check_messages import WORDS, compares, failure, titl
 from fenics_contact.results.quantities import (
     idle_quantities,
     measured_by_parameter,
-    reactions_by_name,
     without_value,
 )
 from fenics_contact.results.records.contacts import ContactRecord
@@ -102,7 +101,7 @@ def quantities_table(
     rows: list[list[str]] = [["quantity", *head]]
     for name in [name for name in quantities if name not in idle]:
         value = quantities[name]
-        cells = [without_value(name, quantities)]
+        cells = [without_value(name)]
         if value is not None and errors and has_true_value(name):
             cells = _with_bar(value, errors.get(name), sizes[measured_by(name)])
         elif value is not None:
@@ -169,16 +168,14 @@ def errors_table(result: Outcome) -> Markup:
 
 def reactions_table(result: Outcome) -> Markup:
     """Resultants of the supports of each name, with error bars; nothing without any."""
-    found = reactions_by_name(result.supports)
-    # Files of earlier versions have no ``reactions``.
-    errors = {name: of.errors.get(REACTION) for name, of in result.reactions.items()}
-    has_bars = any(row is not None for row in errors.values())
+    has_bars = any(of.errors.get(REACTION) is not None for of in result.reactions.values())
     forces = sizes_of(result.quantities, result.contacts)["force"]
     head = headed(REACTION, "force", result.units)
     rows: list[list[str]] = [["support", head, *(_BARS if has_bars else ())]]
-    for name, force in found.items():
-        rows.append([name, *_with_bar(force, errors.get(name), forces)[: 3 if has_bars else 1]])
-    return table(rows, "Reactions of supports") if found else Markup()
+    for name, of in result.reactions.items():
+        said = _with_bar(of.reaction, of.errors.get(REACTION), forces)
+        rows.append([name, *said[: 3 if has_bars else 1]])
+    return table(rows, "Reactions of supports") if result.reactions else Markup()
 
 
 def preloads_table(result: Outcome) -> Markup:

@@ -83,9 +83,9 @@ def _joined(
 ) -> tuple[Array, dict[str, Array], Integers]:
     """Nodes that pieces of a body share, once.
 
-    Two bodies that touch have nodes at the same places. In files of earlier versions, which do not
-    say what body a node is of, these move by other amounts, if only by the penetration. Ranks
-    compute places each for itself, displacements once.
+    Two bodies that touch have nodes at the same places, and so have the two sides of a slit in a
+    single body: these move by other amounts, if only by the penetration. Ranks compute places each
+    for itself, displacements once.
     """
     places = np.round(points / (_SAME * np.ptp(points, axis=0).max()))
     apart = fields.get(BODY_OF_CELLS, fields["displacement"]).reshape(len(points), -1)

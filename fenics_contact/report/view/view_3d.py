@@ -114,10 +114,9 @@ def make_view(
     for name in symbols:  # what is zero in a step is not among its fields
         for number in range(-1, len(times)):
             fields.setdefault(at_step(number, name) if number >= 0 else name, 0 * fields["status"])
-    of_body = body_of_nodes(body)
     bodies = [one_line(name) for name in result.model.bodies]
-    if of_body is not None and len(bodies) > 1:
-        fields[BODY_OF_CELLS] = of_body.astype(float)
+    if len(bodies) > 1:
+        fields[BODY_OF_CELLS] = body_of_nodes(body).astype(float)
     else:
         bodies = bodies[:1] or ["body"]
     make = revolved if kinematics == "axisymmetric" else surface_of

@@ -63,13 +63,12 @@ class WornHistory:
         return self.columns[self._name(number, name)]
 
     def sticking(self, number: int) -> Array:
-        """Area that never slips in a cycle; of earlier tables what sticks at its end, (cycles,).
+        """Area that never slips in a cycle, (cycles,).
 
         Args:
             number: Of the contact.
         """
-        found = (self._name(number, name) for name in ("stick_area_of_cycle", STICK_AREA))
-        return self.columns[next(name for name in found if name in self.columns)]
+        return self.of_contact(number, "stick_area_of_cycle")
 
     def _name(self, number: int, name: str) -> str:
         return name if len(self.contacts) == 1 else f"contact.{number}.{name}"

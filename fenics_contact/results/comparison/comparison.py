@@ -282,7 +282,7 @@ class Comparison:
 
 def _estimate(key: str, quantities: Quantities, errors: Errors) -> Estimate:
     value = quantities[key]
-    reason = without_value(key, quantities) if value is None else ""
+    reason = without_value(key) if value is None else ""
     return Estimate(value, errors.get(key), reason, has_true_value(key))
 
 

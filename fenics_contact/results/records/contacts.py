@@ -167,18 +167,13 @@ class SupportRecord(Record):
         errors: Estimated error of the reaction.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"name", "errors"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors"})
 
-    name: str | None = None
+    name: str
     on: str
     reaction: list[float]
     displacement: list[float | None] = field(default_factory=list)
     errors: Errors = field(default_factory=dict)
-
-    @property
-    def label(self) -> str:
-        """Its name; in files of earlier versions supports have none but that of their group."""
-        return self.on if self.name is None else self.name
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

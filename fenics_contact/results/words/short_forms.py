@@ -17,7 +17,7 @@ from fenics_contact.quantities.names import (
     SLIP_AREA,
 )
 from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, measured_by
-from fenics_contact.results.quantities import idle_quantities, reactions_by_name, without_value
+from fenics_contact.results.quantities import idle_quantities, without_value
 from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.units import NO_UNITS
@@ -69,7 +69,7 @@ def quantity_rows(result: Result, key: str) -> list[Shown]:
     for name, found, errors in places:
         value = found[key]
         if value is None:
-            rows.append(Shown(one_line(name), without_value(key, found), "", ""))
+            rows.append(Shown(one_line(name), without_value(key), "", ""))
         else:
             rows.append(Shown(one_line(name), *rounded(value, errors.get(key), size), unit))
     return rows
@@ -89,13 +89,11 @@ def preload_rows(result: Result) -> list[Shown]:
 
 def reaction_rows(result: Outcome) -> list[Shown]:
     """Reactions of the supports of each name, in words."""
-    # Files of earlier versions have no ``reactions``.
-    errors = {name: of.errors.get(REACTION) for name, of in result.reactions.items()}
     size = sizes_of(result.quantities, result.contacts)["force"]
     unit = (result.units or NO_UNITS).of("force")
     return [
-        Shown(one_line(name), *rounded(force, errors.get(name), size), unit)
-        for name, force in reactions_by_name(result.supports).items()
+        Shown(one_line(name), *rounded(of.reaction, of.errors.get(REACTION), size), unit)
+        for name, of in result.reactions.items()
     ]
 
 

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.units.dimensions import PER_STRESS, STRESS
 from fenics_contact.scene.values import Number, Value, scene_class
 
@@ -36,6 +37,7 @@ class Wear:
 
     share: Annotated[
         Annotated[Number, Field(ge=0, le=1)] | None,
+        FREE_AT_RESUME,
         Field(
             description="between bodies: part of the depth that the surface `on` loses, the other "
             "loses the rest; by default nothing is said of which has lost how much"

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.loading.jumps import Jumps
 from fenics_contact.scene.values import Integer, Number, Positive, Repetition, scene_class
 
@@ -27,10 +28,13 @@ class Cycles:
         Number, Field(ge=0, description="pseudo-time at which it begins; what comes before is once")
     ] = 0.0
     number: Annotated[
-        Integer, Field(ge=1, le=100_000, description="of cycles; with `until` at the most")
+        Integer,
+        FREE_AT_RESUME,
+        Field(ge=1, le=100_000, description="of cycles; with `until` at the most"),
     ] = 20
     increments: Annotated[
         Annotated[Integer, Field(ge=1, le=10_000)] | None,
+        FREE_AT_RESUME,
         Field(
             description="load steps of a cycle, spread over it so that every turn of a path is the "
             "end of one; by default those of `[steps]` between begin and end"
@@ -38,6 +42,7 @@ class Cycles:
     ] = None
     until: Annotated[
         Literal["closed", "end"],
+        FREE_AT_RESUME,
         Field(
             description="`closed`: no cycle is computed again once the loop is closed; `end`: all "
             "are computed"
@@ -45,6 +50,7 @@ class Cycles:
     ] = "closed"
     tolerance: Annotated[
         Number,
+        FREE_AT_RESUME,
         Field(
             gt=0,
             lt=1,
@@ -54,6 +60,7 @@ class Cycles:
     ] = 1e-3
     keep: Annotated[
         Literal["steps", "cycles"],
+        FREE_AT_RESUME,
         Field(description="fields are written of load `steps`, or of the ends of `cycles` only"),
     ] = "steps"
     jumps: Annotated[

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
+from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.values import Integer, Number, scene_class
 
 if TYPE_CHECKING:
@@ -22,10 +23,12 @@ class Jumps:
 
     pressure_change: Annotated[
         Number,
+        FREE_AT_RESUME,
         Field(gt=0, description="largest change of a pressure in a jump, over the largest one"),
     ] = 0.2
     error: Annotated[
         Number,
+        FREE_AT_RESUME,
         Field(
             gt=0,
             description="about the largest estimated error of all jumps in the end: of the depths "
@@ -34,6 +37,7 @@ class Jumps:
     ] = 0.01
     fixed: Annotated[
         Annotated[Integer, Field(ge=1)] | None,
+        FREE_AT_RESUME,
         Field(
             description="how many cycles further on every next one is that is computed, in place "
             "of the control; by default there is control"

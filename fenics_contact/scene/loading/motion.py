@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
+from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.steps import Steps
 from fenics_contact.scene.units.dimensions import RATE, TIME, VELOCITY
 from fenics_contact.scene.values import PER_AXIS, RAMP, Number, Positive, scene_class
@@ -92,7 +93,7 @@ class Motion:
             "should not pass much more than a cell in it; `automatic`: it just passes one"
         ),
     ]
-    end: Annotated[Positive, TIME, Field(description="at which it ends")]
+    end: Annotated[Positive, TIME, FREE_AT_RESUME, Field(description="at which it ends")]
     velocity: Annotated[
         Mapping[str, Annotated[tuple[Annotated[Number, VELOCITY], ...], PER_AXIS]],
         Field(

@@ -125,7 +125,7 @@ class JournalFile:
                 f"--resume: '{self.path}' was written with another version of "
                 f"{', '.join(versions)}; {_ELSEWHERE}"
             )
-        parts = found.get("parts", {})  # journals of earlier versions have none
+        parts = found["parts"]
         names = {**self._parts, **parts}
         others = [name for name in names if parts.get(name) != self._parts.get(name)]
         if others:

@@ -1,4 +1,8 @@
-"""By what a saved state is known to be of the same scene and the same mesh."""
+"""Digests by which a saved state is known to belong to a scene and a mesh.
+
+Keys that have their defaults do not count. A default means the same within a version of the
+program: whoever changes one, or its meaning, gives state files and saved bodies another format.
+"""
 
 from __future__ import annotations
 
@@ -15,71 +19,60 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.given_keys import given_keys, is_free_at_resume
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.values import RAMP
+from fenics_contact.scene.values import Path, Profile
 
-# What may change between a run and one that goes on from it: how to get there, what is asked of the
-# answer, and what units are called, as numbers are the same in all of them.
-_FREE = (
-    *("title", "steps", "solver", "mesh", "units"),
-    *("derivatives", "tolerances", "fretting", "modes", "damping", "stability"),
-)
-# Keys that states written before they were there do not know: as long as they have their defaults
-# they do not count.
-_LATER: dict[str, dict[str, Any]] = {
-    "Scene": {"preload": (), "cycles": None, "motion": None},
-    "Material": {"density": None},
-    "Support": {"name": None},
-    "Preload": {"between": None},
-    "Contact": {
-        "normal_law": None,
-        "friction_law": None,
-        "interference": 0.0,
-        "interference_path": RAMP,
-        "wear": None,
-    },
-    "Cycles": {"jumps": None},
-    "Wear": {"share": None},
-    "Motion": {"start": "unstressed", "rayleigh": None, "absorbing": ()},
-}
-# Keys of parts of a scene that may change likewise: how many cycles, and how each is computed.
-_FREE_INSIDE: dict[str, tuple[str, ...]] = {
-    "Wear": ("share",),
-    "Motion": ("end",),
-    "Jumps": ("pressure_change", "error", "fixed"),
-    "Cycles": ("number", "increments", "until", "tolerance", "keep"),
-}
 # Where functions are asked: places along each axis of the box around the body, and pseudo-times.
 _PLACES = 7
 _TIMES = np.linspace(0.0, 5.0, 51).tolist()
 
 
-def of_scene(scene: Scene, body: Body) -> dict[str, str]:
-    """A digest of every key of a scene but those that may change; collective.
+def keys_of_state(table: Any) -> dict[str, Any]:
+    """Return the keys of a table that a saved state depends on, with their values.
+
+    A key that has its default is left out, so that a state can still be resumed when its class has
+    got another key since.
 
     Args:
-        scene: Its functions are known by what they give.
-        body: Where they are asked.
+        table: Of a scene, or a part of the description of a body.
     """
-    probe = _Probe(body)
+    no_part = {field.name for field in dataclasses.fields(table) if not field.compare}
     return {
-        field.name: _digest(probe.plain(getattr(scene, field.name)))
-        for field in dataclasses.fields(scene)
-        if field.name not in _FREE
-        and getattr(scene, field.name) != _LATER["Scene"].get(field.name, ...)
+        name: value
+        for name, value in given_keys(table).items()
+        if name not in no_part and not is_free_at_resume(table, name)
     }
 
 
+def of_scene(
+    scene: Scene, body: Body, keys: Callable[[Any], dict[str, Any]] = keys_of_state
+) -> dict[str, str]:
+    """Return a digest of each key of a scene that a saved state depends on; collective.
+
+    Args:
+        scene: Its functions are known by their values.
+        body: Functions of position are evaluated in the box around it.
+        keys: Returns the keys of a table that count, with their values.
+    """
+    probe = _Probe(body, keys)
+    return {name: _digest(probe.plain(value)) for name, value in keys(scene).items()}
+
+
 def of_body(description: BodyDescription, body: Body) -> dict[str, str]:
-    """The same of all that describes a body besides its mesh; collective.
+    """Return a digest of each part of what describes a body besides its mesh; collective.
 
     Args:
         description: Of the body.
         body: Its mesh.
     """
-    probe = _Probe(body)
-    names = [field.name for field in dataclasses.fields(description)]
-    return {name: _digest(probe.plain(getattr(description, name))) for name in names}
+    probe = _Probe(body, keys_of_state)
+    return {name: _digest(probe.plain(part)) for name, part in keys_of_state(description).items()}
+
+
+def differences(ours: Mapping[str, str], theirs: Mapping[str, str]) -> list[str]:
+    """Return the names of keys whose digests differ, or that only one of the two has."""
+    return [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
 
 
 def _digest(value: Any) -> str:
@@ -87,10 +80,16 @@ def _digest(value: Any) -> str:
 
 
 class _Probe:
-    """Parts of a scene as JSON has them."""
+    """Parts of a scene as JSON has them.
 
-    def __init__(self, body: Body) -> None:
+    Args:
+        body: Around which functions of position are evaluated.
+        keys: Returns the keys of a table that count, with their values.
+    """
+
+    def __init__(self, body: Body, keys: Callable[[Any], dict[str, Any]]) -> None:
         comm, columns = body.mesh.comm, body.mesh.geometry.x.T
+        self._keys = keys
         self._position = ufl.SpatialCoordinate(body.mesh)
         sides = [
             np.linspace(smallest(comm, column), largest(comm, column), _PLACES)
@@ -99,24 +98,18 @@ class _Probe:
         self._points = np.stack(np.meshgrid(*sides, indexing="ij")).reshape(3, -1)
 
     def plain(self, value: Any) -> Any:
-        """A part of a scene."""
-        if dataclasses.is_dataclass(value) and not isinstance(value, type):
-            later = _LATER.get(type(value).__name__, {})
-            free = _FREE_INSIDE.get(type(value).__name__, ())
-            fields = [f for f in dataclasses.fields(value) if f.compare and f.name not in free]
-            parts = {field.name: getattr(value, field.name) for field in fields}
-            return {
-                name: self.plain(part)
-                for name, part in parts.items()
-                if name not in later or part != later[name]
-            }
+        """Return a part of a scene as JSON has it."""
+        if callable(value) and not isinstance(value, Profile | Path):
+            return self._given_by(value)
+        if dataclasses.is_dataclass(value):
+            return {name: self.plain(part) for name, part in self._keys(value).items()}
         if isinstance(value, Mapping):
             return {str(key): self.plain(entry) for key, entry in value.items()}
         if isinstance(value, list | tuple):
             return [self.plain(entry) for entry in value]
         if value is None or isinstance(value, bool | int | float | str):
             return value
-        return self._given_by(value) if callable(value) else type(value).__qualname__
+        return type(value).__qualname__
 
     def _given_by(self, function: Any) -> str:
         """What a function gives: of places, of pseudo-times, or as UFL; else only its name."""

@@ -18,12 +18,6 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.parallel import of_every_rank, on_root, sent_to_root
 from fenics_contact.simulation.restart import sealed_arrays
-from fenics_contact.simulation.restart.earlier_states import (
-    Columns,
-    header_in_todays_terms,
-    is_earlier,
-    tables_of,
-)
 from fenics_contact.simulation.restart.sealed_arrays import NewArrays
 
 _MOST_ROWS = 2**16  # of a block
@@ -116,24 +110,8 @@ class SavedTables:
 
     def __init__(self, comm: MPI.Comm, path: Path) -> None:
         self._comm, self._path = comm, path
-        self.header, self._earlier = on_root(comm, self._look)
+        self.header = on_root(comm, lambda: sealed_arrays.read_header(path))
         self._tables = {name: _Contents(**found) for name, found in self.header["tables"].items()}
-
-    def _look(self) -> tuple[dict[str, Any], Columns]:
-        """The header, and of a file of an earlier version where its columns are; on rank 0."""
-        header = sealed_arrays.read_header(self._path)
-        names = sealed_arrays.names_of(self._path)
-        if not is_earlier(names):
-            return header, {}
-        columns = tables_of(names, len(header["contacts"]))
-        tables = {
-            table: asdict(_Contents(len(self._array(found["keys"])), 1, tuple(found)[1:]))
-            for table, found in columns.items()
-        }
-        return header_in_todays_terms(header, self._array) | {"tables": tables}, columns
-
-    def _array(self, name: str) -> Array:
-        return sealed_arrays.read_arrays(self._path, [name])[0]
 
     def count(self, table: str) -> int:
         """Rows of a table, of all ranks together."""
@@ -143,7 +121,7 @@ class SavedTables:
         """All rows on every rank, some at a time; collective."""
         contents = self._tables[table]
         for number in range(contents.blocks):
-            places = self._earlier.get(table) or contents.arrays(table, number)
+            places = contents.arrays(table, number)
             read = partial(sealed_arrays.read_arrays, self._path, list(places.values()))
             keys, *columns = on_root(self._comm, read)
             yield Rows(keys, dict(zip(contents.columns, columns, strict=True)))

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from fenics_contact.common.atomic_files import naming, replaced_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.results.records.record import plain
-from fenics_contact.simulation.restart.earlier_states import is_earlier
 
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
 _HEADER, _CHECKSUM = "header", "checksum"
@@ -83,24 +82,13 @@ def read_header(path: Path) -> dict[str, Any]:
     """
     with _unharmed(path), np.load(path, allow_pickle=False) as file:
         digest = hashlib.sha256()
-        # Earlier versions took them in the order of their names.
-        for name in sorted(file.files) if is_earlier(file.files) else file.files:
+        for name in file.files:
             if name != _CHECKSUM:
                 _take(digest, name, file[name])
         if file[_CHECKSUM].tobytes() != digest.digest():
             raise ValueError(_CHECKSUM)
         header: dict[str, Any] = json.loads(file[_HEADER].tobytes())
     return header
-
-
-def names_of(path: Path) -> list[str]:
-    """Names of the arrays of a file.
-
-    Raises:
-        InputError: It is damaged, or no such file at all.
-    """
-    with _unharmed(path), np.load(path, allow_pickle=False) as file:
-        return [name for name in file.files if name not in (_HEADER, _CHECKSUM)]
 
 
 def read_arrays(path: Path, names: list[str]) -> list[NDArray[Any]]:

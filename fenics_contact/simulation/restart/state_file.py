@@ -21,11 +21,11 @@ from fenics_contact.common.parallel import on_root, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.snapshot import ContactMemory, remember
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.earlier_results import steps_in_todays_terms
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result_file import steps_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.restart import fingerprint, sealed_arrays
+from fenics_contact.simulation.restart.complete_tables import keys_in_format_1
 from fenics_contact.simulation.restart.node_keys import NodalKeys
 from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
@@ -36,8 +36,8 @@ from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.systems.body_answer import BodyAnswer
 
 NAME = "state.npz"
-# The version by which a checkout that was not installed used to call itself.
-_NOT_INSTALLED = "source"
+# Of the file. Those without a number are of format 1, whose fingerprints have keys with defaults.
+_FORMAT = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +90,13 @@ class StateFile:
         if self._mixed is not None:
             dofmap = self._mixed.mean_stress.function_space.dofmap
             self._mean_stresses = NodalKeys(problem.body.mesh, dofmap)
+        self._scene = scene or problem.scene
         self._made_for = {
+            "format": _FORMAT,
             "version": compat.versions()["fenics_contact"],
             "mesh": fingerprint.of_mesh(problem.body),
             "several": problem.scene.load_steps.several,
-            "scene": fingerprint.of_scene(scene or problem.scene, problem.body),
+            "scene": fingerprint.of_scene(self._scene, problem.body),
         }
 
     def make_folder(self) -> None:
@@ -165,13 +167,11 @@ class StateFile:
         saved = SavedTables(self._comm, self.path)
         header = saved.header
         self._require_same(header["made_for"])
-        said, signs = header["solution"], [c.sides.on_sign for c in self._problem.contacts]
-        axisymmetric = self._problem.spaces.kinematics == "axisymmetric"
-        steps = steps_of(steps_in_todays_terms(header["steps"], signs, axisymmetric))
+        said, steps = header["solution"], steps_of(header["steps"])
         nodal, mean_stresses = self._read(saved, self._nodes, "nodes"), {}
         if self._mixed is not None:
             mean_stresses = self._read(saved, self._mean_stresses, "mean_stresses")
-        more = header.get("beside_at_points", [])
+        more = header["beside_at_points"]
         contacts, at_points = [], []
         for number, plain in enumerate(header["contacts"]):
             memory = self._contact(number, plain, saved, nodal, more)
@@ -205,21 +205,19 @@ class StateFile:
             energy=header["energy"],
             exit_code=header["exit_code"],
             beside=Beside(
-                header.get("beside", {}),
+                header["beside"],
                 at_points,
-                {name: nodal[name] for name in header.get("beside_nodal", [])},
+                {name: nodal[name] for name in header["beside_nodal"]},
             ),
         )
 
     def _require_same(self, made_for: dict[str, Any]) -> None:
         """Refuse what another version, mesh or scene has left."""
         ours, theirs = self._made_for["version"], made_for["version"]
-        if theirs not in (ours, _NOT_INSTALLED):
+        if theirs != ours:
             raise self._refused(f"version {theirs} wrote it, this is {ours}")
-        scene = self._made_for["scene"]
-        assert isinstance(scene, dict)
-        other = [key for key, digest in scene.items() if made_for["scene"].get(key) != digest]
-        if other:
+        scene = self._fingerprint(made_for.get("format", 1))
+        if other := fingerprint.differences(scene, made_for["scene"]):
             raise self._refused(
                 f"the scene's {' and '.join(other)} differ; only steps, solver and title may"
             )
@@ -227,6 +225,16 @@ class StateFile:
             raise self._refused("of the two, one has a single load step and the other several")
         if self._made_for["mesh"] != made_for["mesh"]:
             raise self._refused("it is of another mesh")
+
+    def _fingerprint(self, number: int) -> dict[str, str]:
+        """Of the scene, as a format has it; collective."""
+        if number == 1:
+            return fingerprint.of_scene(self._scene, self._problem.body, keys_in_format_1)
+        if number != _FORMAT:
+            raise self._refused(f"its format is {number}, this version reads 1 and {_FORMAT}")
+        scene = self._made_for["scene"]
+        assert isinstance(scene, dict)
+        return scene
 
     def _refused(self, why: str) -> InputError:
         return InputError(f"--resume: '{self.path}' does not belong here: {why}")

@@ -33,7 +33,7 @@ from fenics_contact.simulation.studies.saved_rows import give_rows, tables
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
 
-_FORMAT = 2
+_FORMAT = 3
 _DAMAGED = "is damaged, or no file that a study has saved"
 
 
@@ -107,8 +107,11 @@ class SavedBody:
         except InputError:
             raise InputError(f"{path}: {_DAMAGED}") from None
         header = self._saved.header
-        if header.get("kind") != "condensed body" or header["format"] != _FORMAT:
+        if header.get("kind") != "condensed body":
             raise InputError(f"{path}: {_DAMAGED}")
+        if header["format"] != _FORMAT:
+            number = header["format"]
+            raise InputError(f"{path}: its format is {number}, this version reads {_FORMAT}")
         version = compat.versions()["fenics_contact"]
         if header["version"] != version:
             raise InputError(f"{path}: version {header['version']} wrote it, this is {version}")
@@ -121,8 +124,8 @@ class SavedBody:
         Raises:
             InputError: It has another mesh, other materials, supports or contact surfaces.
         """
-        header, digests = self._saved.header, fingerprint.of_body(description, body)
-        other = [name for name, digest in digests.items() if header["body"].get(name) != digest]
+        header = self._saved.header
+        other = fingerprint.differences(fingerprint.of_body(description, body), header["body"])
         if header["mesh"] != fingerprint.of_mesh(body):
             other.append("mesh")
         if other:

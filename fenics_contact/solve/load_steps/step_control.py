@@ -208,9 +208,7 @@ def _has_ended(cycles: Cycles, state: Sequence[float]) -> bool:
     """Whether they ended early, and with no larger a tolerance than is asked for now."""
     if not _ends_early(cycles):
         return False
-    tolerance = state[-1]
-    is_unknown = tolerance >= 1  # as earlier versions wrote it
-    return tolerance > 0 and (is_unknown or tolerance <= cycles.tolerance)
+    return 0 < state[-1] <= cycles.tolerance
 
 
 def _ends_early(cycles: Cycles) -> bool:

@@ -140,7 +140,7 @@ def said(keys: Sequence[Hashable], result: Result) -> str:
     words = []
     for key in keys:
         if isinstance(key, Reaction):
-            of = result.supports[key.of].label if isinstance(key.of, int) else key.of
+            of = result.supports[key.of].name if isinstance(key.of, int) else key.of
             words.append(f"reaction of '{of}'")
             continue
         name = str(key[1] if isinstance(key, tuple) else key).replace("_", " ")

@@ -102,7 +102,7 @@ class Unbounded:
         A step of their own displacements does not: the forces on both sides of it cancel.
         """
         supports = self._problem.applied_supports
-        own = {n for n in jump.supports if of in (n, supports[n].label)}
+        own = {n for n in jump.supports if of in (n, supports[n].name)}
         return bool(own and (jump.contacts or set(jump.supports) - own))
 
     def _sentence(self, jump: Jump, keys: list[Hashable]) -> str:
@@ -111,7 +111,7 @@ class Unbounded:
         place = ", ".join(f"{x + 0.0:.4g}" for x in np.round(jump.place[:components], 12))
         own = [f"the contact '{self._problem.contacts[n].label}'" for n in jump.contacts]
         supports = self._problem.applied_supports
-        own += [f"the support '{supports[n].label}'" for n in jump.supports]
+        own += [f"the support '{supports[n].name}'" for n in jump.supports]
         ask = "prescribe displacements that differ" if len(own) > 1 else "prescribes a step"
         if self._gives_way(jump):
             return (
@@ -140,7 +140,7 @@ class Unbounded:
         if not isinstance(key, Reaction):
             return str(key[1] if isinstance(key, tuple) else key).replace("_", " ")
         supports = self._problem.applied_supports
-        return f"reaction of '{supports[key.of].label if isinstance(key.of, int) else key.of}'"
+        return f"reaction of '{supports[key.of].name if isinstance(key.of, int) else key.of}'"
 
 
 def _follows(name: Hashable) -> Singular | None:

@@ -15,11 +15,13 @@ from fenics_contact.report.contacts.curves import draw_curves
 from fenics_contact.report.contacts.maps import draw_maps
 from fenics_contact.report.contacts.section_stress import section_at
 from fenics_contact.report.drawing import display
+from fenics_contact.report.drawing.cells import cells_of
 from fenics_contact.report.drawing.fields import flat_outline, joined
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.style import COLOURS, LINES
 from fenics_contact.report.histories.hysteresis import last_loop
 from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.point_arrays import BODY_OF_CELLS, facet_flags
 from tests.records import made_contact, made_run
 
 pytestmark = pytest.mark.serial
@@ -116,6 +118,17 @@ def test_last_loop():
     assert last_loop(there_and_back, there_and_back) is None
 
 
+def with_facets(body, axis):
+    """The body, with what files say of its cells: facets at 0 along an axis are the contact's."""
+    cell, cells = cells_of(body)
+    at = np.asarray(body.points)[:, axis] == 0
+    facets = [list(facet) for facet in cell.facets]
+    flags = sum(at[cells[:, one]].all(axis=1) << number for number, one in enumerate(facets))
+    body.cell_data[facet_flags("top")] = flags.astype(np.uint8)
+    body.cell_data[BODY_OF_CELLS] = np.zeros(body.n_cells, dtype=np.int16)
+    return body
+
+
 def strip(displacement, status, number=11):
     """A flat body of one row of cells with a contact above."""
     import pyvista
@@ -126,7 +139,7 @@ def strip(displacement, status, number=11):
     above = np.asarray(body.points)[:, 1] == 0
     body["displacement"] = displacement(np.asarray(body.points))
     body["status"] = np.where(above, status(np.asarray(body.points)[:, 0]), -1.0)
-    return body
+    return with_facets(body, 1)
 
 
 def sheet(number):
@@ -137,7 +150,7 @@ def sheet(number):
     corners = np.meshgrid(along, along, [-1.0, 0.0], indexing="ij")
     body = pyvista.StructuredGrid(*corners).cast_to_unstructured_grid()
     body["status"] = np.where(np.asarray(body.points)[:, 2] == 0, 0.0, -1.0)
-    return body
+    return with_facets(body, 2)
 
 
 def test_obstacle_is_where_the_gap_says_at_all_times():
@@ -170,7 +183,7 @@ def test_points_are_told_of_where_there_are_contacts(count, tmp_path):
 
 
 def test_pieces_of_two_ranks_are_one_body_and_two_bodies_stay_two():
-    """Nodes at the same place are one where they move alike; a contact has its own."""
+    """Nodes at the same place are one where they are of one body."""
     left = strip(lambda p: 0.1 * p, lambda x: 0 * x)
     pieces = [left, left.copy()]
     pieces[1].points[:, 0] += 2 * (1 + 1e-15)
@@ -180,8 +193,7 @@ def test_pieces_of_two_ranks_are_one_body_and_two_bodies_stay_two():
     one = joined(body)
     assert one.n_points == 42 and len(flat_outline(one)) == 1
     assert one["displacement"] == pytest.approx(0.1 * np.asarray(one.points))
-    body["status"][22:] = -1.0  # the other one is no contact's
-    body["displacement"][22:] += 1.0
+    body.cell_data[BODY_OF_CELLS][10:] = 1
     assert joined(body).n_points == 44
 
 
@@ -198,6 +210,7 @@ def test_cut_through_half_a_zone_in_space():
     stress[:, 2] = stress[:, 6] = shear
     body["stress"] = stress
     body["status"] = np.where(z == 0, 0.0, -1.0)
+    with_facets(body, 2)
     across, along = (g.ravel() for g in np.meshgrid(np.linspace(-1, 1, 17), np.linspace(0, 1, 9)))
     status = np.where(np.hypot(across, along) < 0.5, "STICK", "OPEN")
     section = section_at(body, points(across, along, status, (0, 0, 1)), CONTACT, flat=False)

@@ -99,13 +99,8 @@ def area(corners):
     return 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
-@pytest.mark.parametrize("kept", [True, False])
-def test_a_map_has_no_cell_in_a_hole_and_none_outside_of_a_curved_edge(kept):
-    """Also of files of earlier versions, whose cells have no flags."""
+def test_a_map_has_no_cell_in_a_hole_and_none_outside_of_a_curved_edge():
     grid, rows = seat()
-    if not kept:
-        grid["status"][np.isclose(grid.points[:, 2], 0.5)] = 1.0
-        grid.cell_data.clear()
     surface = Surface.of(grid, rows, CONTACT)
     distance = np.hypot(*surface.corners.mean(axis=1).T)
     assert distance.min() > np.cos(np.pi / 24) and distance.max() < 2

@@ -222,13 +222,18 @@ def test_reactions_have_bars_by_name():
     supports = [
         {"name": "wall", "on": "left", "reaction": [3.0, 4.0]},
         {"name": "wall", "on": "right", "reaction": [-3.0, 1.0]},
-        {"on": "floor", "reaction": [0.0, 1.0]},  # of an older file
+        {"name": "floor", "on": "floor", "reaction": [0.0, 1.0]},
     ]
-    reactions = {"wall": {"reaction": [0.0, 5.0], "errors": {"reaction": row}}}
+    reactions = {
+        "wall": {"reaction": [0.0, 5.0], "errors": {"reaction": row}},
+        "floor": {"reaction": [0.0, 1.0]},
+    }
     text = page_of(found(supports=supports, reactions=reactions))
     assert "wall</th><td>0, 5.00</td><td>± 0.05</td><td>1 %</td>" in text
     assert "floor</th><td>0, 1</td><td>?</td><td>?</td>" in text
-    assert "± 0.05" not in page_of(found(supports=supports))
+    without = {name: {"reaction": of["reaction"]} for name, of in reactions.items()}
+    text = page_of(found(supports=supports, reactions=without))
+    assert "± 0.05" not in text and "wall</th><td>0, 5" in text
 
 
 def test_what_says_nothing_without_friction_is_not_shown():

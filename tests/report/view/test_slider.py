@@ -33,12 +33,9 @@ def solved(scene, folder, body):
     return folder
 
 
-def moving(folder, without=()):
+def moving(folder):
     """The first contact in all load steps, and the bodies with their fields."""
     bodies = [body for _, body in read_series(folder, range(len(times_of_fields(folder))))]
-    for body in bodies[:-1]:
-        for name in without:
-            del body.point_data[name]
     result, table = read_result(folder), ContactTable.read(folder / "contact.csv")
     steps = ContactSteps(result, table)
     assert len(list(steps.watched((1.0, body) for body in bodies[:-1]))) == len(bodies) - 1
@@ -98,20 +95,6 @@ def test_the_last_step_is_that_of_contact_csv(flat, tmp_path):
         found = dict(zip(layer["x"], layer["y"][-1], strict=True))
         written = dict(zip(table.numbers["x"], table.numbers[column], strict=True))
         assert {x: pytest.approx(written[x], rel=1e-3, abs=1e-6) for x in found} == found
-
-
-def test_files_of_earlier_versions_have_no_gaps_and_slips(tmp_path):
-    """Nothing is drawn then, and not the gap of another step."""
-    scene = cycled(2, "3D")
-    folder = solved(scene, tmp_path / "run", box_body((2, 1, 1), comm=MPI.COMM_SELF))
-    contact, *_ = moving(folder, without=("gap", "slip"))
-    earlier, last = contact.frames
-    assert np.isnan(earlier.numbers["gap"]).all() and np.isnan(earlier.numbers["slip_x"]).all()
-    assert np.isfinite(last.numbers["gap"]).all()
-    with style():
-        _, panels = moving_maps(contact, tmp_path / "frame.png")
-    arrows = [layer["at"] for layer in panels[0] if layer["type"] == "arrows"]
-    assert all(at[0] == [] for at in arrows)
 
 
 def test_maps_of_every_step_are_those_of_the_fields(tmp_path):

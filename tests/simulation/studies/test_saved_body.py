@@ -7,6 +7,7 @@ from mpi4py import MPI
 
 from fenics_contact import InputError, Material, Study
 from fenics_contact.common.parallel import on_root
+from fenics_contact.simulation.studies import saved_body
 from tests.scenes import box_body, slab
 from tests.simulation.studies.cases import BALL, CASES, ON_A_FLOOR, square
 from tests.simulation.studies.test_study import require_same
@@ -76,6 +77,12 @@ def test_a_file_that_is_none_is_refused(saved, folder):
     on_root(COMM, damage)
     with pytest.raises(InputError, match="is damaged, or no file that a study has saved"):
         Study.load(folder / "damaged.npz", ON_A_FLOOR, COMM, square())
+
+
+def test_another_format_is_refused(saved, monkeypatch):
+    monkeypatch.setattr(saved_body, "_FORMAT", 4)
+    with pytest.raises(InputError, match=r"body.npz: its format is 3, this version reads 4"):
+        Study.load(saved, ON_A_FLOOR, COMM, square())
 
 
 def test_a_scene_that_no_file_can_have_is_asked_for(saved):
