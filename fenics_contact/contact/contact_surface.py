@@ -20,6 +20,7 @@ from fenics_contact.contact.kinematics.jump import ContactKinematics
 from fenics_contact.contact.last_step import LastStep
 from fenics_contact.contact.laws.friction import friction_law
 from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.friction.term import FrictionTerm
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal import acting_law, law_of
 from fenics_contact.contact.laws.normal.law import NormalLaw
@@ -64,6 +65,7 @@ class ContactSurface:
         last_step: What is kept of the last load step.
         normal: The law across it.
         friction: The law along it.
+        friction_term: How solvers use that law.
         wear: What slip wears off.
         work: Of friction and of what goes back along it.
         own_arrays: What these keep of their own at the points, and results have.
@@ -101,6 +103,8 @@ class ContactSurface:
         self.parameters = named.parameters(contact)
         self.normal: NormalLaw = acting_law(contact)(site)
         self.friction: FrictionLaw = friction_law(site, self.normal)
+        self.friction_term = FrictionTerm(self.friction)
+        self._follow_given()
         self.by_points = False
         self.friction_weight = 1.0
         before = self.kinematics.gap
@@ -128,17 +132,29 @@ class ContactSurface:
     @property
     def friction_bound(self) -> Array:
         """Friction bound g = coefficient × pressure at the points (stress)."""
-        return self.friction.present_bound(self.pressure())
+        return self.bound_at(self.pressure())
+
+    def bound_at(self, pressure: Array) -> Array:
+        """Friction bound under a pressure of its normal law, at the points (stress).
+
+        A bound that is given is followed as time goes on.
+
+        Args:
+            pressure: At the points (stress).
+        """
+        if self.normal.pressure_is_known:
+            return self.friction.bound
+        return self.friction.bound_of(pressure)
 
     @property
     def regularisation_parameter(self) -> float:
         """ε as used (length), 0 without friction."""
-        return self.friction.regularisation_parameter
+        return self.friction.regularisation.parameter
 
     @property
     def is_coulomb(self) -> bool:
         """Whether its friction depends on a pressure that is not known."""
-        return self.friction.depends_on_pressure
+        return self.friction.has_friction and not self.normal.pressure_is_known
 
     @property
     def checks(self) -> tuple[str, ...]:
@@ -151,31 +167,32 @@ class ContactSurface:
         return (self.normal, self.friction, self.wear)
 
     @property
-    def terms(self) -> list[NormalLaw | FrictionLaw]:
-        """The laws whose forces follow the jump."""
-        laws: tuple[NormalLaw | FrictionLaw, ...] = (self.normal, self.friction)
-        return [law for law in laws if law.follows_jump]
+    def terms(self) -> list[NormalLaw | FrictionTerm]:
+        """Its forces that follow the jump."""
+        across: list[NormalLaw | FrictionTerm] = [self.normal] * self.normal.follows_jump
+        return [*across, self.friction_term] if self.friction.has_friction else across
 
-    def weight_of(self, law: NormalLaw | FrictionLaw) -> float:
-        """How often a law of it counts in what Newton's method balances."""
-        return self.friction_weight if law is self.friction else 1.0
+    def weight_of(self, term: NormalLaw | FrictionTerm) -> float:
+        """How often a force of it counts in what Newton's method balances."""
+        return self.friction_weight if term is self.friction_term else 1.0
 
     @property
     def can_go_by_points(self) -> bool:
         """Whether all points are nodes, and its laws say what they do at points."""
-        return self.trace.nodal and self.normal.is_pointwise and self.friction.is_pointwise
+        return self.trace.nodal and self.normal.is_pointwise
 
-    def force_of(self, law: NormalLaw | FrictionLaw) -> Array:
-        """Forces of one of its laws at all nodes of its surface; collective."""
+    def force_of(self, term: NormalLaw | FrictionTerm) -> Array:
+        """One of its forces at all nodes of its surface; collective."""
         if not self.by_points:
-            return law.force()
-        return self.trace.at_all_nodes(self.trace.weights[:, None] * law.at_points())
+            return term.force()
+        return self.trace.at_all_nodes(self.trace.weights[:, None] * term.at_points())
 
     def all_forces(self) -> Array:
         """Forces of both laws at all nodes of its surface, friction by its weight; collective."""
+        normal, friction = self.normal, self.friction_term
         if not self.by_points:
-            return self.normal.force() + self.friction_weight * self.friction.force()
-        traction = self.normal.at_points() + self.friction_weight * self.friction.at_points()
+            return normal.force() + self.friction_weight * friction.force()
+        traction = normal.at_points() + self.friction_weight * friction.at_points()
         return self.trace.at_all_nodes(self.trace.weights[:, None] * traction)
 
     def given_forces(self) -> list[tuple[Array, Callable[[float], float]]]:
@@ -195,8 +212,7 @@ class ContactSurface:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""
         self.normal.set_time(time)
         self.kinematics.overlap_by(self.paths.interference(time), self.wear.depth)
-        if self.normal.pressure_is_known:
-            self.friction.follow_given(self.pressure())
+        self._follow_given()
         if self.contact.obstacle is not None:
             self._drive(time)
         self.normal.set_gap(self.kinematics.gap)
@@ -219,8 +235,15 @@ class ContactSurface:
             speed: At the begin or the end of a step of motion, (points,) (length/time).
         """
         self.friction.rule.follow_speed(speed)
+        self._follow_given()
+
+    def _follow_given(self) -> None:
+        """Take the bound, and the ε that it needs, from a pressure that is given; collective."""
         if self.normal.pressure_is_known:
-            self.friction.follow_given(self.pressure())
+            friction, bound = self.friction, self.friction.bound_of(self.pressure())
+            friction.set_bound(bound)
+            if friction.regularisation.is_automatic:
+                friction.regularisation.set(friction.regularisation.needed(bound))
 
     def touch(self) -> None:
         """Bring an obstacle that nothing presses on until it just touches; collective."""
@@ -300,19 +323,20 @@ class ContactSurface:
 
     def follow_pressure(self) -> None:
         """Let the friction bound follow the pressure, where the two are coupled."""
-        if self.friction.mode == "coupled":
-            self.friction.set_bound(self.friction.bound_of(self.pressure()))
+        if self.friction_term.follows_pressure:
+            self.friction.set_bound(self.friction_term.bound_of(self.pressure()))
 
     def follow(self) -> None:
         """Move the friction tangent to the present jump."""
-        self.friction.follow(self.kinematics.tangential(self.kinematics.jump_at_points()))
+        slip = self.kinematics.tangential(self.kinematics.jump_at_points())
+        self.friction_term.linearise_at(slip)
 
     def state(self) -> ContactState:
         """What happens at the points at the present jump."""
         jump = self.kinematics.jump_at_points()
         slip = self.kinematics.tangential(jump)
         pressure = self.normal.pressure(jump)
-        bound = self.friction.present_bound(pressure)
+        bound = self.bound_at(pressure)
         closed = self.normal.is_closed(pressure)
         state = ContactState(
             gap=0.0 - self.normal.depth(jump),
@@ -334,5 +358,6 @@ class ContactSurface:
     def _at_rest(self) -> ContactState:
         """Of the body as it is meshed, without any load: what touches sticks, if it is rough."""
         nothing, vectors = np.zeros(len(self.trace.weights)), np.zeros_like(self.trace.normals)
-        status = self.friction.status_at_rest(self.normal.touches_at_rest())
+        touches, coefficient = self.normal.touches_at_rest(), self.friction.largest_coefficient
+        status = self.friction.status(touches, vectors, coefficient)
         return ContactState(self.kinematics.gap, nothing, vectors, vectors, status, nothing)

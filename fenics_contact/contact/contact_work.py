@@ -61,7 +61,11 @@ class ContactWork:
         Args:
             state: As of ``in_step``.
         """
-        stored = self._friction.stored(state.friction_traction, state.slip)
+        friction = self._friction
+        if not friction.stores_energy:
+            return 0.0
+        elastic = friction.rule.elastic(friction.effective_slip(state.slip))
+        stored = 0.0 - 0.5 * np.einsum("ij,ij->i", state.friction_traction, elastic)
         return float(self._trace.integral(stored))
 
     def left_open(self, state: ContactState) -> float:

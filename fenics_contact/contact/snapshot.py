@@ -42,9 +42,10 @@ def remember(contact: ContactSurface) -> ContactMemory:
         indentation=kinematics.indentation,
         dissipated=contact.last_step.dissipated,
         left_open=contact.last_step.left_open,
-        regularisation_parameter=friction.chosen_parameter,
-        is_scaled=friction.is_scaled,
-        at_points=friction.remember(contact.pressure())
+        regularisation_parameter=friction.regularisation.chosen,
+        is_scaled=friction.regularisation.is_known,
+        at_points=friction.kept()
+        | {"bound": contact.friction_bound.copy()}
         | contact.last_step.at_points()
         | contact.normal.remember()
         | contact.wear.kept(),
@@ -67,8 +68,9 @@ def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     contact.last_step.restore(memory.at_points, memory.dissipated, memory.left_open)
     contact.last_step.dissipated_before = tuple(memory.dissipated_before)
     contact.normal.recall(memory.at_points)
-    contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
+    contact.friction.regularisation.recall(memory.regularisation_parameter, memory.is_scaled)
     contact.friction.recall(memory.at_points)
+    contact.friction_term.follow_law()
     contact.wear.recall(memory.at_points)
     contact.kinematics.overlap_by(contact.kinematics.interference, contact.wear.depth)
     contact.normal.set_gap(contact.kinematics.gap)

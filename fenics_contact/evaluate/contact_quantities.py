@@ -143,7 +143,7 @@ def _undecided(answer: ContactAnswer) -> Mapping[str, Any]:
     that it creeps by nearly ε says that friction is nearly used up, not that ε decides.
     """
     contact, state = answer.contact, answer.state
-    if not contact.friction.has_regularisation:
+    if not contact.friction.regularisation.is_numerical:
         return {}
     slip = np.linalg.norm(contact.friction.scaled_slip(state.slip), axis=1)
     slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)

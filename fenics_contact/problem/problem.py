@@ -283,7 +283,7 @@ class Problem:
     def stick_all(self) -> None:
         """Take every contact point to stick, for a solve to begin with."""
         for contact in self.frictional:
-            contact.friction.stick_all()
+            contact.friction_term.tangent_state.stick_all()
 
     def set_time(self, time: float) -> None:
         """Bring loads, supports and obstacles to a pseudo-time; collective."""

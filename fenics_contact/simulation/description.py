@@ -128,13 +128,17 @@ def regularisation_of(contact: ContactSurface) -> float | None:
     """The ε of a load step; None where it follows from pressures to come, or there is none."""
     if contact.friction.stores_energy:
         return None  # it is no regularisation, and stands under its own name
-    is_open = contact.is_coulomb and not contact.friction.is_scaled
+    is_open = contact.is_coulomb and not contact.friction.regularisation.is_known
     return None if is_open else contact.regularisation_parameter
 
 
 def _parameters_of(contact: ContactSurface) -> dict[str, Any]:
     """A contact's parameters as used; what varies in space is said so."""
-    given = contact.parameters | contact.friction.parameters
+    said = contact.contact
+    given: dict[str, Any] = {**contact.parameters}
+    given["friction_coefficient"] = said.friction_coefficient
+    if said.friction_law is not None and not said.friction_law.is_proportional:
+        given["friction_law"] = said.friction_law.shown
     used = {
         "regularisation_parameter": regularisation_of(contact),
         "penalty_parameter": contact.penalty_parameter or None,

@@ -25,7 +25,7 @@ class Forms:
         self.contact = self.problem.contacts[0]
         self._stiffness = fem.assemble_matrix(self.problem.elastic.stiffness)
         self._stiffness.scatter_reverse()
-        self._energy = fem.form(self.contact.friction.energy)
+        self._energy = fem.form(self.contact.friction_term.compiled_forms.energy)
 
     def _work(self, force, v):
         owned = slice(0, self.problem.spaces.owned_nodes)
@@ -50,7 +50,8 @@ class Forms:
 
     def j_epsilon(self, v, epsilon=1e-6):
         """(2.7), as compiled."""
-        self.contact.friction.set_scale(epsilon)
+        self.contact.friction.regularisation.set(epsilon)
+        self.contact.friction_term.compiled_forms.update()
         self.contact.kinematics.move(self.contact.kinematics.relative(v))
         return COMM.allreduce(fem.assemble_scalar(self._energy))
 

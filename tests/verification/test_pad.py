@@ -162,7 +162,9 @@ def test_nodal_forces_are_those_of_the_points(element):
     assert power == pytest.approx(
         found.trace.integral(np.einsum("ij,ij->i", traction, slip)), rel=1e-9
     )
-    energy = COMM.allreduce(fem.assemble_scalar(fem.form(found.friction.energy)))
+    energy = COMM.allreduce(
+        fem.assemble_scalar(fem.form(found.friction_term.compiled_forms.energy))
+    )
     size, epsilon = np.linalg.norm(slip, axis=1), found.regularisation_parameter
     smoothed = np.where(size <= epsilon, size**2 / (2 * epsilon), size - epsilon / 2)
     assert energy == pytest.approx(found.trace.integral(found.friction_bound * smoothed), rel=1e-9)

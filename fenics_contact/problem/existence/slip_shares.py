@@ -230,7 +230,7 @@ def _friction_of(contact: ContactSurface, state: ContactState, jump: Array) -> t
     Returns:
         The work, (motions,), and rows of the bound and the slips as friction feels them.
     """
-    bound = contact.friction.present_bound(state.contact_pressure)
+    bound = contact.bound_at(state.contact_pressure)
     held = contact.trace.owned & ((state.status != OPEN) | (bound > 0))
     weights, normals = contact.trace.weights, contact.trace.normals
     slips = jump - normals[:, :, None] * np.einsum("qci,qc->qi", jump, normals)[:, None, :]

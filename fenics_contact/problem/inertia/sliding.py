@@ -43,13 +43,10 @@ def elastic_slip(contact: ContactSurface) -> Array:
 
 
 def _goes_back(contact: ContactSurface, counted: Array) -> Array:
-    friction = contact.friction
-    if not friction.has_friction:
+    if not contact.friction.has_friction:
         return np.zeros_like(counted)
     sizes = _sizes(counted)
-    most = np.where(
-        friction.present_bound(contact.pressure()) > 0, friction.regularisation_parameter, 0.0
-    )
+    most = np.where(contact.friction_bound > 0, contact.regularisation_parameter, 0.0)
     share = np.divide(np.minimum(sizes, most), sizes, out=np.zeros_like(sizes), where=sizes > 0)
     return np.asarray(counted * share[:, None])
 

@@ -25,10 +25,10 @@ def adjoint_of(system: CondensedSystem) -> CondensedAdjoint:
     """
     for contact in system.problem.frictional:
         if contact.is_coulomb:
-            contact.friction.mode = "coupled"
+            contact.friction_term.follow_pressure()
             contact.follow_pressure()
-        kinematics = contact.kinematics
-        contact.friction.take_true_tangent(kinematics.tangential(kinematics.jump_at_points()))
+        kinematics, tangent = contact.kinematics, contact.friction_term.tangent_state
+        tangent.take_true(kinematics.tangential(kinematics.jump_at_points()))
     system.linearise(system.state)
     return system.adjoint()
 

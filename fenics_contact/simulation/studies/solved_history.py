@@ -139,12 +139,12 @@ class _Errors:
                 contacts={n: _without_penalty(one) for n, one in contacts if one.has_penalty}
             )
             self._names["penalty"] = ["errors penalty"]
-        if any(one.friction.has_regularisation for _, one in contacts):
+        if any(one.friction.regularisation.is_numerical for _, one in contacts):
             found["errors regularisation"] = Change(
                 contacts={
                     n: _without_regularisation(one)
                     for n, one in contacts
-                    if one.friction.has_regularisation
+                    if one.friction.regularisation.is_numerical
                 }
             )
             self._names["regularisation"] = ["errors regularisation"]

@@ -149,7 +149,7 @@ class WithoutFriction:
         """Set ε as solving it again would; collective."""
         for number, pressure in self.pressures.items():
             contact = problem.contacts[number]
-            if pressure is not None and contact.friction.finds_scale:
+            if pressure is not None and contact.friction.regularisation.follows_pressure:
                 set_needed(contact, pressure)
 
 
@@ -187,7 +187,8 @@ class WarmStart:
 
     def keep(self, newton: Newton) -> None:
         """A step of the answer, just solved; collective."""
-        tangents = [contact.friction.tangent_state for contact in newton.problem.contacts]
+        every = [contact.friction_term.tangent_state for contact in newton.problem.contacts]
+        tangents = [state.slip_and_direction for state in every]
         self.steps.append(SolvedStep(SolvedState.of(newton), tangents))
 
     def suits(self, problem: Problem) -> bool:
@@ -219,14 +220,18 @@ class WarmStart:
             self._take_tangents(problem, step)
             newton.run()
             return newton.solution()
-        if number == 0 and any(contact.friction.finds_scale for contact in problem.coulomb):
+        if number == 0 and any(
+            contact.friction.regularisation.follows_pressure for contact in problem.coulomb
+        ):
             self._find_scales(newton)
-        if number and not all(contact.friction.is_scaled for contact in problem.coulomb):
+        if number and not all(
+            contact.friction.regularisation.is_known for contact in problem.coulomb
+        ):
             return None
         self._place(newton, step.state)
         self._take_tangents(problem, step)
         for contact in problem.coulomb:
-            contact.friction.mode = "coupled"
+            contact.friction_term.follow_pressure()
         newton.run(search_energy=False)
         if number and is_out_of_scale(newton):
             return None
@@ -249,7 +254,7 @@ class WarmStart:
 
     def _take_tangents(self, problem: Problem, step: SolvedStep) -> None:
         for contact, state in zip(problem.contacts, step.tangents, strict=True):
-            contact.friction.take_tangent_state(state)
+            contact.friction_term.tangent_state.take(state)
 
 
 class Uniqueness:

@@ -117,22 +117,21 @@ class AlternatingLoop:
         ]
         for i, contact in enumerate(self.contacts):
             contact.normal.hold(pressures[i])
-            contact.friction.set_status(self._sticks[i], self._directions[i], bounds[i])
+            contact.friction_term.set_status(self._sticks[i], self._directions[i], bounds[i])
         self.newton.run(search_energy=False)
         for i, contact in enumerate(self.contacts):
-            contact.friction.hold(self._next_status(i, bounds[i]))
+            contact.friction_term.hold(self._next_status(i, bounds[i]))
 
     def step_4(self) -> None:
         """Contact under the friction that Step 3 found."""
         for contact in self.contacts:
-            contact.friction.mode = "held"
             contact.normal.release()
         self.newton.run()
 
     def contact_and_friction(self, pressures: list[Array]) -> None:
         """Steps 3 and 4 at once: contact, and friction with the bound of given pressures."""
         for contact, pressure in zip(self.contacts, pressures, strict=True):
-            contact.friction.mode = "law"
+            contact.friction_term.follow_law()
             contact.friction.set_bound(contact.friction.bound_of(pressure))
         before = self.newton.save()
         try:
@@ -148,7 +147,7 @@ class AlternatingLoop:
         the direction of its slip; it never reverses at once.
         """
         contact = self.contacts[number]
-        kinematics, epsilon = contact.kinematics, contact.friction.regularisation_parameter
+        kinematics, epsilon = contact.kinematics, contact.regularisation_parameter
         slip = contact.friction.scaled_slip(kinematics.tangential(kinematics.jump_at_points()))
         size = np.linalg.norm(slip, axis=1)
         unit = slip / np.where(size > 0, size, 1.0)[:, None]
@@ -186,7 +185,7 @@ class AlternatingLoop:
     def _rub_nothing(self) -> None:
         """What to do where nothing touches; what glue holds then is not held."""
         for contact in self.contacts:
-            contact.friction.mode = "law"
+            contact.friction_term.follow_law()
             contact.friction.set_bound(np.zeros_like(contact.friction.bound))
         if self._is_glued:
             self.newton.run()

@@ -7,7 +7,6 @@ the ε of the steps before, so that each may have its own.
 from __future__ import annotations
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import TELLING, carries_more_than
 
@@ -21,7 +20,7 @@ def follow_pressure(contact: ContactSurface, imbalance: float, accuracy: float =
         accuracy: To which the pressures are to be known.
     """
     pressure = telling_pressure(contact, imbalance, accuracy)
-    if contact.friction.finds_scale and pressure is not None:
+    if contact.friction.regularisation.follows_pressure and pressure is not None:
         set_needed(contact, pressure)
 
 
@@ -46,7 +45,7 @@ def set_needed(contact: ContactSurface, pressure: Array) -> None:
         contact: One whose ε is found.
         pressure: At its points (stress).
     """
-    contact.friction.set_scale(_needed(contact, pressure))
+    contact.friction.regularisation.set(_needed(contact, pressure))
 
 
 def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
@@ -57,15 +56,14 @@ def fits(contact: ContactSurface, too_large: float, too_small: float) -> bool:
         too_large: Largest of ε over that needed.
         too_small: Largest of that needed over ε.
     """
-    if not contact.friction.finds_scale:
+    regularisation = contact.friction.regularisation
+    if not regularisation.follows_pressure:
         return True
-    needed, chosen = _needed(contact, contact.pressure()), contact.friction.chosen_parameter
-    return (
-        contact.friction.is_scaled and needed <= too_small * chosen and chosen <= too_large * needed
-    )
+    needed, chosen = _needed(contact, contact.pressure()), regularisation.chosen
+    fitting = needed <= too_small * chosen and chosen <= too_large * needed
+    return regularisation.is_known and fitting
 
 
 def _needed(contact: ContactSurface, pressure: Array) -> float:
     """The ε whose bias is below .1 % at a pressure, 0 without one; collective."""
-    bound = contact.friction.bound_for_regularisation(contact.friction.bound_of(pressure))
-    return contact.scales.regularisation_parameter(largest(contact.spaces.comm, bound))
+    return contact.friction.regularisation.needed(contact.friction_term.bound_of(pressure))

@@ -64,5 +64,7 @@ class Watch:
 
 def is_out_of_scale(newton: Newton) -> bool:
     """Whether some ε is much less than what the present pressures need; collective."""
-    scaled: list[ContactSurface] = [c for c in newton.problem.coulomb if c.friction.is_scaled]
+    scaled: list[ContactSurface] = [
+        c for c in newton.problem.coulomb if c.friction.regularisation.is_known
+    ]
     return not all([fits(contact, float("inf"), _TOO_SMALL) for contact in scaled])

@@ -52,8 +52,8 @@ def solve_coupled(newton: Newton, of_scale: bool = False, of_growth: bool = Fals
     """
     watch = Watch(newton, of_scale, of_growth)
     for contact in newton.problem.coulomb:
-        contact.friction.stick_all()
-        contact.friction.mode = "coupled"
+        contact.friction_term.tangent_state.stick_all()
+        contact.friction_term.follow_pressure()
     try:
         newton.run(search_energy=False, hopeless=watch)
     except NotConvergedError as error:
@@ -70,8 +70,11 @@ def monolithic(newton: Newton, start: Array, of_growth: bool = False) -> None:
     """
     contacts = newton.problem.coulomb
     pressing = [_presses(contact) for contact in contacts]  # others get theirs once they touch
-    known = [one.friction.is_scaled or not p for one, p in zip(contacts, pressing, strict=True)]
-    if all(known) and any(contact.friction.is_scaled for contact in contacts):
+    known = [
+        one.friction.regularisation.is_known or not p
+        for one, p in zip(contacts, pressing, strict=True)
+    ]
+    if all(known) and any(contact.friction.regularisation.is_known for contact in contacts):
         try:
             solve_coupled(newton, of_scale=True, of_growth=of_growth)
             return
@@ -110,7 +113,7 @@ def continuation(newton: Newton, start: Array) -> None:
     shares = _FALLING if RigidMotions(newton.problem).slides_on_coulomb else _RISING
     for share in shares:
         for contact in newton.problem.coulomb:
-            contact.friction.set_share(share)
+            contact.friction_term.use_share(share)
         if share == shares[0]:
             monolithic(newton, start)
         else:

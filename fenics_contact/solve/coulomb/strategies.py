@@ -75,7 +75,7 @@ def _minimise(newton: Newton) -> None:
         logger.info("%s; next: searching along the steps", error)
         newton.restore(start)
         for contact in newton.problem.frictional:
-            contact.friction.stick_all()
+            contact.friction_term.tangent_state.stick_all()
         newton.run(search_energy=True)
 
 
@@ -151,7 +151,7 @@ class _Strategies:
         """Whatever a way that failed has left behind."""
         for contact in self.problem.coulomb:
             contact.normal.release()
-            contact.friction.set_share(1.0)
+            contact.friction_term.use_share(1.0)
         self.newton.restore(self.start)
 
     def _go(self, way: str, of_growth: bool) -> None:

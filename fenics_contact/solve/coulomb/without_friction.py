@@ -56,7 +56,7 @@ def contact_without_friction(
         _solve(newton, tolerance, is_glued)
     for contact in problem.coulomb:
         follow_pressure(contact, newton.limit, accuracy)
-        contact.friction.stick_all()
+        contact.friction_term.tangent_state.stick_all()
     return is_glued
 
 
@@ -64,10 +64,10 @@ def _solve(newton: Newton, tolerance: float | None, is_glued: bool) -> None:
     contacts = newton.problem.coulomb
     touch = [_touches(contact) for contact in contacts]
     for contact, touches in zip(contacts, touch, strict=True):
-        contact.friction.mode = "off"
+        contact.friction_term.exert_nothing()
         if is_glued:
             stiffness = _GLUE * contact.moduli.combined / contact.facet_size
-            contact.friction.glue(stiffness, _to_glue(contact, touches or not any(touch)))
+            contact.friction_term.glue(stiffness, _to_glue(contact, touches or not any(touch)))
     newton.run(tolerance=tolerance)
 
 

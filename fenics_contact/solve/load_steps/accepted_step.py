@@ -105,12 +105,13 @@ class StepEnd:
     @classmethod
     def of(cls, newton: Newton) -> StepEnd:
         """The present one; collective."""
-        system, laws = newton.system, [one.friction for one in newton.problem.contacts]
+        system, contacts = newton.system, newton.problem.contacts
+        every = [contact.friction.regularisation for contact in contacts]
         return cls(
             system.position(),
             system.scalar_values(system.state),
-            [law.tangent_state for law in laws],
-            [(law.chosen_parameter, law.is_scaled) for law in laws],
+            [contact.friction_term.tangent_state.slip_and_direction for contact in contacts],
+            [(regularisation.chosen, regularisation.is_known) for regularisation in every],
         )
 
     def begin(self, newton: Newton, before: StepEnd | None) -> None:
@@ -127,9 +128,9 @@ class StepEnd:
             scalars = scalars + (system.scalar_values(system.state) - before.scalars)
         rows = zip(newton.problem.contacts, self.tangents, self.scales, strict=True)
         for contact, tangent, scale in rows:
-            contact.friction.recall_scale(*scale)
+            contact.friction.regularisation.recall(*scale)
             if len(tangent[0]) == len(contact.friction.reference):  # else it was paired otherwise
-                contact.friction.take_tangent_state(tangent)
+                contact.friction_term.tangent_state.take(tangent)
         newton.begin.at(position, scalars)
 
 

@@ -102,7 +102,7 @@ class CycleWatch:
             held = float(contact.trace.integral(np.abs(state.contact_pressure) + friction))
             self._largest[number] = max(self._largest[number], held)
             self._touched[number] = np.maximum(self._touched[number], state.status != OPEN)
-            if contact.friction.has_regularisation:
+            if contact.friction.regularisation.is_numerical:
                 epsilon = contact.regularisation_parameter
                 self._creep += epsilon
                 self._creep_work += epsilon * float(contact.trace.integral(friction))

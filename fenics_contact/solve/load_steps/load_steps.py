@@ -199,7 +199,8 @@ class LoadSteps(RestingPlace):
         assert self.last is not None
         self._recall(self._untouched)
         for contact, memory in zip(self.problem.contacts, self._first, strict=False):
-            contact.friction.recall_scale(memory.regularisation_parameter, memory.is_scaled)
+            scale = memory.regularisation_parameter, memory.is_scaled
+            contact.friction.regularisation.recall(*scale)
         other = LoadSteps(self.newton)
         other.pace = FixedPace(Steps(times=tuple(times)))
         other._cycles = None

@@ -74,6 +74,6 @@ def _slide(contact: ContactSurface, far: float) -> None:
     sizes = np.linalg.norm(counted, axis=1)[:, None]
     direction = np.divide(counted, sizes, out=np.zeros_like(counted), where=sizes > 0)
     friction.accept(slip - far * direction)
-    friction.mode = "coupled"
+    contact.friction_term.follow_pressure()
     contact.follow_pressure()
-    friction.take_true_tangent(slip)
+    contact.friction_term.tangent_state.take_true(slip)

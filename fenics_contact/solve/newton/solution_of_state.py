@@ -24,7 +24,7 @@ def solution_of(newton: Newton, outer_iterations: int, strategy: str) -> Solutio
         contact.touch()
     nodes = [contact.trace.numbers for contact in newton.problem.contacts]
     normal = newton.system.contact_forces("normal")
-    friction = newton.system.contact_forces("friction")
+    friction = newton.system.contact_forces("friction_term")
     problem = newton.problem
     preloads = problem.preload_states(find_body().displacement) if problem.preloads else ()
     return Solution(

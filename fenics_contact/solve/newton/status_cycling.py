@@ -132,7 +132,7 @@ def _present(contact: ContactSurface) -> _Iterate:
     """What the points of a contact do now."""
     pressure, kinematics = contact.pressure(), contact.kinematics
     slip = contact.friction.scaled_slip(kinematics.tangential(kinematics.jump_at_points()))
-    epsilon = contact.friction.regularisation_parameter
+    epsilon = contact.regularisation_parameter
     size = np.linalg.norm(slip, axis=1)
     closed, slips = pressure > 0, size > epsilon
     moving = (closed & slips & contact.friction.has_friction)[:, None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.contact.laws.law import ContactLaw
+from fenics_contact.contact.laws.force import ContactForce
 from fenics_contact.contact.surface.averaging import SurfaceAverage
 
 
@@ -17,12 +17,12 @@ class NeighbourStiffness:
         columns: Likewise.
 
     Args:
-        law: Whose points are coupled.
+        force: Whose points are coupled.
         neighbours: How.
     """
 
-    def __init__(self, law: ContactLaw, neighbours: SurfaceAverage) -> None:
-        self._law, trace = law, law.site.trace
+    def __init__(self, force: ContactForce, neighbours: SurfaceAverage) -> None:
+        self._force, trace = force, force.site.trace
         size = trace.surface.components
         self._pairs: Integers = np.flatnonzero(trace.owned[neighbours.rows])
         points = neighbours.rows[self._pairs]
@@ -40,5 +40,5 @@ class NeighbourStiffness:
 
     def values(self) -> Array:
         """Of the entries at present; collective."""
-        blocks = self._law.tangent_between_points()[self._pairs]
+        blocks = self._force.tangent_between_points()[self._pairs]
         return np.asarray((blocks[self._pair] * self._factor[:, None, None]).ravel())

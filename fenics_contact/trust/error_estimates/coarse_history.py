@@ -177,7 +177,7 @@ class _NearPath:
             return solve_step(newton)
         end.begin(newton, self._ends.get(self._times[number - 1]) if number else None)
         for contact in problem.coulomb:
-            contact.friction.mode = "coupled"
+            contact.friction_term.follow_pressure()
         newton.run(False if problem.coulomb else None)
         return newton.solution()
 

@@ -83,7 +83,9 @@ class Estimates:
         return {
             "mesh": True,
             "penalty": any(contact.has_penalty for contact in problem.contacts),
-            "regularisation": any(one.friction.has_regularisation for one in problem.contacts),
+            "regularisation": any(
+                one.friction.regularisation.is_numerical for one in problem.contacts
+            ),
             "iteration": True,
             "step": _remembers(problem),
             "domain": problem.far_field is not None,

@@ -136,7 +136,7 @@ def _stiffen(left: float, problem: Problem) -> None:
 
 def _regularise_less(left: float, problem: Problem) -> None:
     for contact in problem.frictional:
-        contact.friction.scale_regularisation(left)
+        contact.friction.regularisation.scale(left)
 
 
 def _sharper(load_steps: LoadSteps, measure: Measure) -> Quantities | None:

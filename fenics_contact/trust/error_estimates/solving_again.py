@@ -253,7 +253,7 @@ def newton_again(
     """
     newton, problem = load_steps.newton, load_steps.problem
     for contact in problem.coulomb:
-        contact.friction.mode = "coupled"
+        contact.friction_term.follow_pressure()
     if roughly and not newton.system.repeats_cheaply:
         tolerance = _rough_tolerance(newton)
     newton.run(False if problem.coulomb else None, tolerance)
@@ -301,7 +301,7 @@ def restore(load_steps: LoadSteps) -> None:
     """
     for contact in load_steps.problem.contacts:
         contact.normal.soften(1.0)
-        contact.friction.scale_regularisation(1.0)
+        contact.friction.regularisation.scale(1.0)
         contact.friction.scale_coefficient(1.0)
     if load_steps.problem.far_field is not None:
         load_steps.problem.far_field.beyond[:] = 0.0

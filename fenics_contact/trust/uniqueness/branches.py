@@ -121,11 +121,11 @@ def _begin(load_steps: LoadSteps, start: Start) -> None:
     position = newton.system.position_of(displacement)
     newton.begin.at(position, load_steps.last.unknowns.scalars)
     for contact in problem.coulomb:
-        contact.friction.mode = "coupled"
+        contact.friction_term.follow_pressure()
         if start.way is None:
-            contact.friction.stick_all()
+            contact.friction_term.tangent_state.stick_all()
         else:
-            contact.friction.slip_all(_slip(contact, start.way))
+            contact.friction_term.tangent_state.slip_all(_slip(contact, start.way))
 
 
 def _slip(contact: ContactSurface, way: tuple[float, ...]) -> Array:

@@ -70,7 +70,8 @@ def test_taylor_residual_and_tangent(dimension):
     """Energy to residual and residual to tangent: remainders of second order."""
     problem = pad(dimension)
     contact = problem.contacts[0]
-    energy, residual = fem.form(contact.friction.energy), contact.friction.residual
+    forms = contact.friction_term.compiled_forms
+    energy, residual = fem.form(forms.energy), forms.residual
     coordinates = problem.contacts[0].trace.surface.coordinates
     direction = np.stack(
         [
@@ -93,11 +94,11 @@ def test_taylor_residual_and_tangent(dimension):
     value, slope = evaluate(0.0)
     # Where q is the direction of the slip, the primal-dual tangent is Newton's own.
     state = set_state(problem, 0.0)
-    contact.friction.stick_all()
+    contact.friction_term.tangent_state.stick_all()
     contact.kinematics.move(state)
     contact.follow()
     contact.follow()
-    matrix = fem.assemble_matrix(contact.friction.tangent)
+    matrix = fem.assemble_matrix(contact.friction_term.compiled_forms.tangent)
     matrix.scatter_reverse()
     change = product(matrix, direction)
     work = COMM.allreduce(slope[owned] @ direction[owned])
@@ -123,7 +124,7 @@ def test_tangent_is_symmetric_and_semidefinite():
     contact.kinematics.move(state)
     contact.follow()
     contact.follow()
-    matrix = fem.assemble_matrix(contact.friction.tangent)
+    matrix = fem.assemble_matrix(contact.friction_term.compiled_forms.tangent)
     dense = matrix.to_dense()
     assert np.abs(dense - dense.T).max() < 1e-12 * np.abs(dense).max()
     assert np.linalg.eigvalsh(dense).min() > -1e-10 * np.abs(dense).max()
@@ -134,10 +135,10 @@ def test_tangent_on_the_way_is_positive():
     """With |q| < 1 the tangent resists every tangential motion, slipping or not."""
     problem = pad(3)
     contact = problem.contacts[0]
-    contact.friction.stick_all()
+    contact.friction_term.tangent_state.stick_all()
     contact.kinematics.move(0.4 * set_state(problem, 0.0))
     contact.follow()
-    dense = fem.assemble_matrix(contact.friction.tangent).to_dense()
+    dense = fem.assemble_matrix(contact.friction_term.compiled_forms.tangent).to_dense()
     tangential = contact.trace.numbers[:, None] * 3 + np.arange(2)
     rows = np.sort(tangential.ravel())
     block = dense[np.ix_(rows, rows)]
@@ -147,7 +148,7 @@ def test_tangent_on_the_way_is_positive():
 def test_friction_resists_slip_and_ignores_normal_motion():
     problem = pad(3)
     components = problem.contacts[0].trace.surface.components
-    residual = problem.contacts[0].friction.residual
+    residual = problem.contacts[0].friction_term.compiled_forms.residual
     normal_only = np.zeros((len(problem.contacts[0].trace.surface.coordinates), components))
     normal_only[:, 2] = 0.7
     problem.contacts[0].kinematics.move(normal_only)

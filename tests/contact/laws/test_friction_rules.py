@@ -26,7 +26,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import RAMP
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from tests.contact.laws.test_by_points import both, displaced, matrix_of
+from tests.contact.laws.test_by_points import both, displaced, matrix_of, use_friction
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 
@@ -130,17 +130,15 @@ def test_forms_and_points_have_one_tangent(name, dimension):
     problem = Problem.on_mesh(scene, box_body((3, 2, 2)[:dimension]))
     (contact,) = problem.contacts
     surface, random = SurfaceMatrix(contact), np.random.default_rng(3)
-    contact.friction.set_scale(0.005)
+    contact.friction.regularisation.set(0.005)
     if name == "slip dependent":
         contact.friction.rule.take({"slip_so_far": 0.002 * contact.trace.coordinates[:, 0]})
     if name == "speed dependent":
         contact.friction.rule.follow_speed(0.15 * contact.trace.coordinates[:, 0])
     for mode in ("law", "coupled", "status"):
         slip = displaced(contact, random)
-        contact.friction.mode = mode
-        contact.friction.follow(0.7 * slip)
-        contact.friction.follow(slip)
         contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
+        use_friction(contact, mode, slip)
         expected, found = both(contact, lambda: matrix_of(surface))
         assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
     pressure = contact.pressure()

@@ -42,7 +42,7 @@ def rubbing(name, law="incremental", dimension=3):
     keys = {**RULES[name], "law": law}
     body = box_body((3, 2, 2)[:dimension])
     (contact,) = Problem.on_mesh(rules.sheared(keys, dimension), body).contacts
-    contact.friction.set_scale(EPSILON)
+    contact.friction.regularisation.set(EPSILON)
     random = np.random.default_rng(7)
     if law == "incremental":
         displaced(contact, random)
@@ -90,12 +90,14 @@ def test_the_true_tangent_is_the_derivative_of_the_traction(name, law, mode):
         return friction.traction(slip_of(contact))
 
     expected = quotient(traction)
-    friction.mode = mode
-    friction.take_true_tangent(slip_of(contact))
+    term = contact.friction_term
+    if mode == "coupled":
+        term.follow_pressure()
+    term.tangent_state.take_true(slip_of(contact))
     way = contact.trace.at_points(place)
-    found = -np.einsum("pij,pj->pi", friction.tangent_at_points(), way)
+    found = -np.einsum("pij,pj->pi", term.tangent_at_points(), way)
     if friction.neighbours is not None:
-        neighbours, blocks = friction.neighbours, friction.tangent_between_points()
+        neighbours, blocks = friction.neighbours, term.tangent_between_points()
         others = neighbours.gathered(way)[neighbours.columns]
         np.subtract.at(found, neighbours.rows, np.einsum("pij,pj->pi", blocks, others))
     assert found == pytest.approx(expected, rel=1e-5, abs=1e-5 * np.abs(expected).max(initial=1))
@@ -135,7 +137,7 @@ def test_the_transposed_derivative_of_the_traction(name, law):
     epsilon = contact.regularisation_parameter
 
     def with_another(step):
-        friction.set_scale(epsilon + step)
+        friction.regularisation.set(epsilon + step)
         return quantity(slip, pressure)
 
     expected = quotient(with_another)

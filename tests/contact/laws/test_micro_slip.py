@@ -15,7 +15,7 @@ from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.laws.micro_slip import CASES
-from tests.contact.laws.test_by_points import both, displaced, matrix_of
+from tests.contact.laws.test_by_points import both, displaced, matrix_of, use_friction
 from tests.contact.laws.test_friction_rules import rubbed, sheared
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import resumed, stopped_after
@@ -124,11 +124,9 @@ def test_forms_and_points_have_one_tangent(dimension):
     assert COMM.allreduce(left, MPI.MAX) > 0.1 * LONGEST
     for mode in ("law", "coupled", "status"):
         slip = displaced(contact, random)
-        contact.friction.mode = mode
-        contact.friction.follow(0.7 * slip)
-        contact.friction.follow(slip)
         contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
-        for law in (contact.normal, contact.friction):
+        use_friction(contact, mode, slip)
+        for law in (contact.normal, contact.friction_term):
             expected, found = both(contact, lambda law=law: contact.force_of(law))
             assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
         expected, found = both(contact, lambda: matrix_of(surface))
@@ -174,12 +172,12 @@ def test_a_step_that_is_rejected_leaves_no_trace():
     prepared = Run(moved((0.0, 1.0), 3), COMM, box_body((2, 1)))
     prepared.solve()
     contact = prepared.problem.contacts[0]
-    kept, force = remember(contact), contact.force_of(contact.friction)
+    kept, force = remember(contact), contact.force_of(contact.friction_term)
     contact.accept()
-    assert np.abs(contact.force_of(contact.friction) - force).max(initial=0.0) < 1e-9
+    assert np.abs(contact.force_of(contact.friction_term) - force).max(initial=0.0) < 1e-9
     recall(contact, kept)
     np.testing.assert_array_equal(contact.friction.elastic_slip, kept.at_points["elastic_slip"])
-    assert np.abs(contact.force_of(contact.friction) - force).max(initial=0.0) < 1e-9
+    assert np.abs(contact.force_of(contact.friction_term) - force).max(initial=0.0) < 1e-9
 
 
 def test_what_goes_back_is_stored_and_not_dissipated():

@@ -35,7 +35,7 @@ from fenics_contact.verification.laws.orthotropic import (
     starting_to_slide,
 )
 from fenics_contact.verification.laws.stiff_block import LENGTH, block_of, stiff_block
-from tests.contact.laws.test_by_points import both, displaced, matrix_of
+from tests.contact.laws.test_by_points import both, displaced, matrix_of, use_friction
 from tests.scenes import box_body, with_solver
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 
@@ -222,15 +222,10 @@ def test_forms_and_points_have_one_tangent(mode):
     problem = Problem.on_mesh(sheared(law()), box_body((3, 2, 2)))
     (contact,) = problem.contacts
     surface, random = SurfaceMatrix(contact), np.random.default_rng(3)
-    contact.friction.set_scale(0.005)
+    contact.friction.regularisation.set(0.005)
     slip = displaced(contact, random)
-    contact.friction.mode = mode
-    contact.friction.follow(0.7 * slip)
-    contact.friction.follow(slip)
     contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
-    if mode == "status":
-        bound, sticks = contact.friction.bound, contact.trace.coordinates[:, 0] < 0.4
-        contact.friction.set_status(sticks, slip / np.linalg.norm(slip, axis=1)[:, None], bound)
+    use_friction(contact, mode, slip)
     expected, found = both(contact, lambda: matrix_of(surface))
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
     expected, found = both(contact, contact.all_forces)
@@ -242,15 +237,15 @@ def test_the_true_tangent_is_the_derivative_of_the_traction():
     problem = Problem.on_mesh(sheared(law()), box_body((3, 2, 2)))
     (contact,) = problem.contacts
     friction, random = contact.friction, np.random.default_rng(5)
-    friction.set_scale(0.01)
+    friction.regularisation.set(0.01)
     slip = displaced(contact, random)
     friction.set_bound(friction.bound_of(contact.pressure()))
     felt = np.linalg.norm(friction.scaled_slip(slip), axis=1)
     pressed = friction.bound > 0
     assert COMM.allreduce(int((pressed & (felt < 0.01)).sum())) > 0
     assert COMM.allreduce(int((pressed & (felt > 0.01)).sum())) > 0
-    friction.take_true_tangent(slip)
-    tangent = friction.tangent_at_points()
+    contact.friction_term.tangent_state.take_true(slip)
+    tangent = contact.friction_term.tangent_at_points()
     clear = np.abs(felt - 0.01) > 1e-5
     for axis in range(2):
         step = np.zeros(3)

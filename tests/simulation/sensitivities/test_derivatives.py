@@ -288,8 +288,8 @@ def test_a_rule_that_does_not_say_what_its_state_does_is_refused(monkeypatch):
 class Reversed(Static):
     """A law with forces of its own, which says nothing of their derivatives."""
 
-    def force(self):
-        return super().force()
+    def traction(self, slip):
+        return super().traction(slip)
 
 
 def test_a_law_that_does_not_say_its_derivatives_is_refused(monkeypatch):

@@ -159,7 +159,7 @@ def test_what_the_loop_on_the_pressure_leaves_is_seen(monkeypatch, is_newton_los
     good, run_law = Newton.run, []
 
     def only_with_the_law(newton, *arguments, **others):
-        if any(contact.friction.mode == "coupled" for contact in newton.problem.coulomb):
+        if any(contact.friction_term.follows_pressure for contact in newton.problem.coulomb):
             never()
         run_law.append(newton)
         good(newton, *arguments, **others)

@@ -45,6 +45,4 @@ def friction_law(site: LawSite, normal: NormalLaw) -> FrictionLaw:
         return (Frictionless if is_smooth else named)(site, normal, rule)
     pressure = normal.pressure(np.zeros_like(site.trace.normals))
     is_smooth = largest(comm, rule.at(pressure)) == 0
-    law = (Frictionless if is_smooth else named)(site, normal, rule)
-    law.follow_given(pressure)
-    return law
+    return (Frictionless if is_smooth else named)(site, normal, rule)

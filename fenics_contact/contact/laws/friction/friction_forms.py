@@ -11,13 +11,14 @@ from dolfinx import fem
 
 from fenics_contact.body.forms import CompiledForm, Expr, Form
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.energies import (
     coulomb_residual,
     friction_energy,
     primal_dual_residual,
     traction_work,
 )
-from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
+from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.friction.tangent_state import TangentState
 from fenics_contact.contact.surface.trace_function import TraceFunction
 
@@ -25,28 +26,48 @@ from fenics_contact.contact.surface.trace_function import TraceFunction
 class FrictionForms:
     """Forms on a contact surface, each compiled when it is first asked for.
 
-    What changes is a constant or a function, so that nothing is compiled again.
+    What changes is a constant or a function, so that nothing is compiled again. They have the
+    law's numbers of the last ``update``.
 
     Attributes:
         bound: g (stress).
         accepted: The slip that counts as none; None where that is no slip at all (length).
         epsilon: ε (length).
-        share: Of the bound that follows the pressure.
+        factor: Of the bound that follows the pressure.
 
     Args:
-        rule: How the bound follows the pressure.
+        law: The friction law.
         tangent: The state that the tangent is at.
-        counts_steps: Whether slip counts from an accepted state.
     """
 
-    def __init__(self, rule: FrictionRule, tangent: TangentState, counts_steps: bool) -> None:
-        trace = rule.site.trace
-        self._rule, self._state, self._trace = rule, tangent, trace
-        self._jump = rule.site.kinematics.jump
+    def __init__(self, law: FrictionLaw, tangent: TangentState) -> None:
+        trace = law.site.trace
+        self._law, self._rule, self._state, self._trace = law, law.rule, tangent, trace
+        self._jump = law.site.kinematics.jump
+        self._set: dict[TraceFunction, Array] = {}
         self.bound = trace.function(np.zeros(len(trace.weights)))
-        self.accepted = trace.function(np.zeros_like(trace.normals)) if counts_steps else None
+        self.accepted = trace.function(np.zeros_like(trace.normals)) if law.follows_path else None
         self.epsilon = fem.Constant(trace.surface.mesh, 1.0)
-        self.share = fem.Constant(trace.surface.mesh, 1.0)
+        self.factor = fem.Constant(trace.surface.mesh, 1.0)
+        self.update()
+
+    def update(self, share: float = 1.0) -> None:
+        """Take the law's present numbers; collective.
+
+        Args:
+            share: Of the coefficient that is used.
+        """
+        self.epsilon.value = self._law.regularisation.parameter
+        self.factor.value = share * self._law.factor
+        self._take(self.bound, self._law.bound)
+        if self.accepted is not None:
+            self._take(self.accepted, self._law.reference)
+
+    def _take(self, function: TraceFunction, values: Array) -> None:
+        """Set a function, unless it has these values already: laws exchange arrays as a whole."""
+        if self._set.get(function) is not values:
+            function.set(values)
+            self._set[function] = values
 
     @property
     def _slipped(self) -> Expr:
@@ -110,7 +131,7 @@ class FrictionForms:
         residual = coulomb_residual(
             self._test,
             trace.normal,
-            self.share * rule.in_ufl(rule.normal.pressure_ufl(self._jump)),
+            self.factor * rule.in_ufl(rule.normal.pressure_ufl(self._jump)),
             self._state.direction.ufl,
             trace.weight,
             trace.measure,

@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import ClassVar
 
 from fenics_contact.contact.laws.friction.law import FrictionLaw
+from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
+from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.site import LawSite
 
 
 class Frictionless(FrictionLaw):
@@ -12,8 +15,8 @@ class Frictionless(FrictionLaw):
 
     kind: ClassVar[str] = "none"
 
-    @property
-    def left_out(self) -> str:
-        """What bounds friction by 0 everywhere; Coulomb's coefficient of 0 means no friction."""
-        named = self.site.contact.friction_law
-        return "" if named is None or named.is_proportional else named.kind
+    def __init__(self, site: LawSite, normal: NormalLaw, rule: FrictionRule) -> None:
+        super().__init__(site, normal, rule)
+        # What bounds friction by 0 everywhere; Coulomb's coefficient of 0 means no friction.
+        named = site.contact.friction_law
+        self.left_out = "" if named is None or named.is_proportional else named.kind

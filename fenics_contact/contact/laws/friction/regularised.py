@@ -1,4 +1,4 @@
-"""Friction with a bound as a part of the energy: j_ε of the jump, with its primal-dual tangent."""
+"""Friction with a bound: j_ε of the slip, its derivatives, and what it keeps between load steps."""
 
 from __future__ import annotations
 
@@ -8,196 +8,131 @@ from typing import ClassVar
 
 import numpy as np
 
-from fenics_contact.body.forms import CompiledForm, Expr, Form
-from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.body.forms import Expr
+from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.contact.laws.energies import smoothed_norm
-from fenics_contact.contact.laws.friction.bounded import BoundedFriction
 from fenics_contact.contact.laws.friction.gradient import FrictionGradient
+from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
-from fenics_contact.contact.laws.friction.tangent_at_points import PrimalDual
+from fenics_contact.contact.laws.law import defined_in_same_class
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.contact.surface.averaging import SurfaceAverage
+from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
+from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.scene.values import Value
+
+# Where the bound is not to be seen from the pressure, results have it at the points.
+_WRITTEN_BOUND = PointArray("bound", "stress", column="friction_bound")
 
 
-class RegularisedFriction(BoundedFriction):
-    """j_ε (paper, (2.7)) with its primal-dual tangent, bounded by a rule."""
+class RegularisedFriction(FrictionLaw):
+    """j_ε (paper, (2.7)), bounded by a rule; which slip it acts on, classes derived from it say."""
 
-    follows_jump: ClassVar[bool] = True
     model: ClassVar[str] = "regularised friction"
+    has_friction: ClassVar[bool] = True
+    carries_shear: ClassVar[bool] = True
+    checks: tuple[str, ...] = (
+        "friction_cone",
+        "friction_law",
+        "outer_loop",
+        "dissipation",
+        "stick_creep",
+    )
 
     def __init__(self, site: LawSite, normal: NormalLaw, rule: FrictionRule) -> None:
         super().__init__(site, normal, rule)
-        self._held = np.zeros_like(self.reference)
-        self.stick_all()
-        given = rule.longest_elastic_slip or site.contact.regularisation_parameter
-        if given != "auto":
-            self.set_scale(float(given))
+        if not rule.is_proportional:
+            self.state = tuple(
+                _WRITTEN_BOUND if array.name == "bound" else array for array in self.state
+            )
+        self.state = (*self.state, *rule.state)
+        for array in rule.state:
+            shape = self.reference.shape[: 1 + array.is_vector]
+            setattr(self, array.name, np.zeros(shape))
+        if not self.regularisation.is_numerical:
+            self.name = f"friction with {rule.kind} on {site.contact.label}"
+            self.checks = tuple(one for one in self.checks if one != "stick_creep")
 
     @property
-    def energy(self) -> Form:
-        """j_ε as a UFL form."""
-        return self._forms.energy
+    def has_derivatives(self) -> bool:
+        """Whether ``vjp`` is of its own traction, and its rule has derivatives, too."""
+        own = defined_in_same_class(self, "vjp", "traction")
+        return own and super().has_derivatives and self.rule.has_derivatives
 
     @property
-    def residual(self) -> CompiledForm:
-        """Its first derivative."""
-        return self._forms.residual
+    def derived_state(self) -> set[str]:
+        """Arrays by which derivatives go back to load steps before: those of its rule, too."""
+        return super().derived_state | {array.name for array in self.rule.state}
 
     @property
-    def tangent(self) -> CompiledForm:
-        """The primal-dual tangent."""
-        return self._forms.tangent
+    def called(self) -> str:
+        """The law, or what bounds it where that is not Coulomb's rule."""
+        return super().called if self.rule.is_proportional else f"friction law '{self.rule.kind}'"
+
+    def bound_of(self, pressure: Array) -> Array:
+        """G that the rule gives at the points (stress)."""
+        return self.factor * self.rule.at(pressure)
+
+    def bound_slope(self, pressure: Array) -> Array:
+        """Derivative of ``bound_of`` in the pressure at the points, (points,)."""
+        return self.factor * self.rule.slope(pressure)
 
     @property
-    def forms(self) -> tuple[CompiledForm, ...]:
-        """The compiled forms that every solve needs."""
-        return (self.residual, self.tangent)
+    def largest_coefficient(self) -> Array:
+        """Largest ratio of the bound to a pressure, at the points."""
+        return self.factor * self.rule.largest_coefficient
 
-    @property
-    def tangents(self) -> tuple[CompiledForm, ...]:
-        """Forms of the tangent in the present mode."""
-        if self.mode == "coupled" and self.neighbours is None:
-            return (self.tangent, self._forms.coupling)
-        return (self.tangent,) if self.mode in ("law", "status", "coupled") else ()
-
-    def hold(self, traction: Array) -> None:
-        """Set the tractions of the modes ``held`` and ``status``, (points, components)."""
-        self._held = traction
-
-    def _held_force(self) -> Array:
-        """Of the tractions that are held, at all nodes of the surface; collective."""
-        function, work = self._forms.tractions
-        function.set(self._held)
-        return self.site.trace.surface.assemble(work)
-
-    def force(self) -> Array:
-        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
-        assemble = self.site.trace.surface.assemble
-        if self.mode == "off":
-            return super().force()
-        if self.mode == "held":
-            return self._held_force()
-        if self.mode == "status":
-            return self._held_force() - assemble(self._forms.springs)
-        return -assemble(self.residual)
-
-    def at_points(self) -> Array:
-        """Traction on the body at the points, (points, components) (stress)."""
-        kinematics = self.site.kinematics
-        if self.mode == "off":
-            return super().at_points()
-        if self.mode == "held":
-            return kinematics.tangential(self._held)
-        if self.mode == "status":
-            return kinematics.tangential(self._held) - self._primal_dual.springs
-        return self.traction(kinematics.tangential(kinematics.jump_at_points()))
-
-    def tangent_at_points(self) -> Array:
-        """The primal-dual tangent in the present mode, (points, components, components)."""
-        if self.mode not in ("law", "status", "coupled"):
-            return super().tangent_at_points()
-        state = self._primal_dual
-        found = state.tangent
-        if self.mode == "coupled" and self.neighbours is None:
-            jump = self.site.kinematics.jump_at_points()
-            steep = self.bound_slope(self.normal.pressure(jump))
-            found += state.coupling(steep[:, None] * self.normal.pressure_slope(jump))
-        return found
-
-    @property
-    def neighbours(self) -> SurfaceAverage | None:
-        """Those whose pressures the bound averages."""
-        return self.rule.neighbours
-
-    def tangent_between_points(self) -> Array:
-        """What a bound that follows the pressures of neighbours adds; collective."""
-        neighbours = self.neighbours
-        size = self.reference.shape[1]
-        if neighbours is None or self.mode != "coupled":
-            return np.zeros((0 if neighbours is None else len(neighbours.rows), size, size))
-        jump = self.site.kinematics.jump_at_points()
-        steep = self.bound_slope(self.normal.pressure(jump))
-        slopes = neighbours.gathered(self.normal.pressure_slope(jump))
-        along = self._primal_dual.along * steep[:, None, None]
-        weighted = neighbours.weights[:, None] * slopes[neighbours.columns]
-        return np.asarray(along[neighbours.rows] * weighted[:, None, :])
-
-    @property
-    def _primal_dual(self) -> PrimalDual:
-        """Of the present state."""
-        jump = self.site.kinematics.jump_at_points()
-        return PrimalDual(
-            jump=jump - self.reference,
-            normal=self.site.trace.normals,
-            bound=self.bound,
-            epsilon=self.regularisation_parameter,
-            direction=self._tangent_state.direction_at_points,
-            length=self._tangent_state.length_at_points(self.regularisation_parameter),
-            metric=self.rule.metric,
-        )
-
-    def stick_all(self) -> None:
-        """Set the tangent to the adhesive start: u_T = 0 and no friction yet."""
-        nothing = np.zeros_like(self.reference)
-        self.take_tangent_state((nothing, nothing))
-
-    def slip_all(self, slip: Array) -> None:
-        """Set the tangent to points that have slipped.
+    def accept(self, slip: Array) -> None:
+        """Count slip from the end of a load step, less what goes back, if the law is incremental.
 
         Args:
-            slip: As the law counts it, nowhere 0, (points, components) (length).
+            slip: Then, since the start, (points, components) (length).
         """
-        felt = self.rule.metric.at(slip)
-        self.take_tangent_state((felt, felt / np.linalg.norm(felt, axis=1)[:, None]))
-
-    @property
-    def tangent_state(self) -> tuple[Array, Array]:
-        """Slip and direction that the tangent is at, to take again; (points, components) each."""
-        return self._tangent_state.slip_and_direction
-
-    def take_tangent_state(self, state: tuple[Array, Array]) -> None:
-        """Set the tangent as it was after another solve."""
-        self._tangent_state.take(state, self.regularisation_parameter)
-
-    def follow(self, slip: Array) -> None:
-        """Move the tangent to a new state: q by its own linearised equation, |q| ≤ 1.
-
-        Args:
-            slip: w_T since the start at the points, shape (points, components) (length).
-        """
-        if self.mode in ("law", "coupled"):
-            self._tangent_state.follow(self.scaled_slip(slip), self.regularisation_parameter)
-
-    def take_true_tangent(self, slip: Array) -> None:
-        """Set the tangent to the law's own derivative, from now on with nothing left stiff."""
-        self._tangent_state.take_true(self.scaled_slip(slip), self.regularisation_parameter)
+        if self.follows_path:
+            self.reference = slip - self.rule.carried_slip
 
     def recall(self, at_points: Mapping[str, Array]) -> None:
-        """Follow the law as after a load step, whatever has been tried since.
+        """Take back the arrays of ``state``, and those of its rule.
 
         Args:
-            at_points: As ``remember`` gave them, among others.
+            at_points: As they were remembered, among others.
         """
         super().recall(at_points)
         self._rule_takes_kept()
-        self.mode = "law"
-        self.set_share(1.0)
-        self.set_bound(self.bound)
-        self._count_from(self.reference)
 
-    def set_status(self, sticks: Flags, directions: Array, bound: Array) -> None:
-        """Springs g/ε on points that stick, friction against directions on those that slip."""
-        self.mode = "status"
-        self.set_bound(np.where(sticks, bound, 0.0))
-        self.hold(self.traction_from_bound(np.where(sticks, 0.0, bound), directions))
-        self.stick_all()
+    def at_step_end(self, state: ContactState) -> dict[str, Array]:
+        """The arrays that its rule keeps, as they are at the end of a load step.
 
-    def glue(self, stiffness: float, points: Flags) -> None:
-        """Springs along the surface at some points (stress/length), whatever the pressure."""
-        bound = np.where(points, stiffness * self.regularisation_parameter, 0.0)
-        self.set_status(np.ones(len(bound), dtype=bool), np.zeros_like(self.reference), bound)
+        Args:
+            state: What happens at the points then.
+        """
+        return self.rule.at_step_end(self.effective_slip(state.slip), state.status != OPEN)
+
+    def shown(self, state: ContactState) -> dict[str, Array]:
+        """The bound along the friction traction, where it is another one along each direction."""
+        return {"bound": self.rule.metric.bound_along(self.bound, state.friction_traction)}
+
+    def advance(self, state: ContactState) -> None:
+        """A load step is done: its rule goes by what it keeps from now on.
+
+        Args:
+            state: As of ``at_step_end``.
+        """
+        super().advance(state)
+        self._rule_takes_kept()
+
+    def _rule_takes_kept(self) -> None:
+        self.rule.take({array.name: getattr(self, array.name) for array in self.rule.state})
+
+    def effective_slip(self, slip: Array) -> Array:
+        """The slip that friction acts on: since the start, or since the last accepted step."""
+        return slip - self.reference
+
+    def sliding(self, slip: Array) -> Array:
+        """The effective slip, less what goes back."""
+        effective = self.effective_slip(slip)
+        return effective - self.rule.elastic(effective)
 
     def traction(self, slip: Array) -> Array:
         """−g φ_ε′ at the points for a slip since the start (paper, (2.8)) (stress)."""
@@ -205,13 +140,9 @@ class RegularisedFriction(BoundedFriction):
 
     def _values(self, slip: Array) -> dict[str, Array | float]:
         """Of the variables of ``_at_points`` at a slip since the start."""
-        epsilon, fields = self.regularisation_parameter, self.rule.metric.fields
-        return {
-            "slip": self.effective_slip(slip),
-            "bound": self.bound,
-            "epsilon": epsilon,
-            **fields,
-        }
+        epsilon, fields = self.regularisation.parameter, self.rule.metric.fields
+        effective = self.effective_slip(slip)
+        return {"slip": effective, "bound": self.bound, "epsilon": epsilon, **fields}
 
     def vjp(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
         """By the second derivatives of g φ_ε; g follows the rule's fields and the pressure."""
@@ -222,7 +153,7 @@ class RegularisedFriction(BoundedFriction):
             return np.asarray(0.0 - np.einsum("ijk,ij->ik", found, of_traction))
 
         of_slip, of_bound = of("slip"), of("bound")[:, 0]
-        rule = self.rule.vjp(pressure, float(self._forms.share.value) * of_bound)
+        rule = self.rule.vjp(pressure, self.factor * of_bound)
         metric = self.rule.metric.fields
         fields = dict(rule.fields)
         for name, field in metric.items():
@@ -233,6 +164,31 @@ class RegularisedFriction(BoundedFriction):
             pressure=rule.pressure,
             fields={**fields, "regularisation_parameter": of("epsilon")[:, 0]},
         )
+
+    def vjp_state_update(
+        self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
+    ) -> tuple[Array, Mapping[str, Array]]:
+        """By the transposed derivative of what its rule keeps."""
+        if not of_end:
+            return super().vjp_state_update(slip, closed, of_end)
+        return self.rule.vjp_state_update(self.effective_slip(slip), closed, of_end)
+
+    def vjp_reference(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
+        """To the slip then, less what goes back, if the law is incremental."""
+        if not self.follows_path:
+            return super().vjp_reference(of_reference)
+        return of_reference, self.rule.vjp_carried_slip(0.0 - of_reference)
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Of ε in itself, and of what its rule has."""
+        if key == "regularisation_parameter":
+            return {key: np.ones_like(self.bound)}
+        return self.rule.field_slopes(key, unit)
+
+    def status(self, closed: Flags, slip: Array, bound: Array) -> Words:
+        """STICK where |M u_T| ≤ ε and friction acts, SLIP beyond, OPEN without contact."""
+        small = np.linalg.norm(slip, axis=1) <= self.regularisation.parameter
+        return np.where(closed, np.where((bound > 0) & small, STICK, SLIP), OPEN)
 
     @cached_property
     def _at_points(self) -> PointDensity:

@@ -21,7 +21,3 @@ class Stick(FrictionLaw):
     def status(self, closed: Flags, slip: Array, bound: Array) -> Words:
         """What is glued on sticks."""
         return np.where(closed, STICK, OPEN)
-
-    def status_at_rest(self, closed: Flags) -> Words:
-        """What is glued on sticks."""
-        return np.where(closed, STICK, OPEN)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.contact.laws.friction.law import FrictionLaw
 
 # Of g / |u_T|: what tangents keep along the slip. A body of which all points slip, under loads just
 # below those that friction can hold, would be moved so far by a Newton step that rounding ends it.
@@ -18,21 +18,24 @@ class TangentState:
     T. F. Chan, G. H. Golub, P. Mulet, SIAM J. Sci. Comput. 20 (1999) 1964-1977.
 
     Attributes:
-        slip: As the law counts and feels it, (points, components) (length).
+        slip: The scaled one, (points, components) (length).
         direction: (1 − a trace) q, what forms have in place of q.
         length: max(|u_T|, ε), what forms divide by (length).
 
     Args:
-        trace: The contact points.
+        law: The friction law, which says how slip is felt, and ε.
     """
 
-    def __init__(self, trace: Trace) -> None:
+    def __init__(self, law: FrictionLaw) -> None:
+        trace = law.site.trace
+        self._law = law
         self.slip = np.zeros_like(trace.normals)
         self._dual = np.zeros_like(self.slip)
         self._left_stiff = _LEFT_STIFF
         self.direction = trace.function(self._dual)
         # Not 0 anywhere: it divides, also where the weight is 0.
         self.length = trace.function(np.ones(len(trace.weights)), empty=1.0)
+        self.stick_all()
 
     @property
     def slip_and_direction(self) -> tuple[Array, Array]:
@@ -41,55 +44,69 @@ class TangentState:
 
     @property
     def direction_at_points(self) -> Array:
-        """What ``direction`` is at the points, (points, components)."""
+        """Values of ``direction`` at the points, (points, components)."""
         return (1 - self._left_stiff) * self._dual
 
-    def length_at_points(self, epsilon: float) -> Array:
+    @property
+    def length_at_points(self) -> Array:
         """max(|u_T|, ε) at the points (length)."""
-        return np.maximum(lengths(self.slip), epsilon)
+        return np.maximum(lengths(self.slip), self._law.regularisation.parameter)
 
-    def take(self, state: tuple[Array, Array], epsilon: float) -> None:
+    def take(self, state: tuple[Array, Array]) -> None:
         """Be at a slip and a direction.
 
         Args:
-            state: Both, (points, components) each.
-            epsilon: ε (length).
+            state: As ``slip_and_direction`` gives them.
         """
         self.slip, self._dual = state
         self.direction.set(self.direction_at_points)
-        self.length.set(self.length_at_points(epsilon))
+        self.length.set(self.length_at_points)
 
-    def follow(self, slip: Array, epsilon: float) -> None:
+    def stick_all(self) -> None:
+        """Be at the adhesive start: u_T = 0 and no friction yet."""
+        nothing = np.zeros_like(self.slip)
+        self.take((nothing, nothing))
+
+    def slip_all(self, slip: Array) -> None:
+        """Be where all points have slipped.
+
+        Args:
+            slip: The effective one, nowhere 0, (points, components) (length).
+        """
+        scaled = self._law.rule.metric.at(slip)
+        self.take((scaled, scaled / np.linalg.norm(scaled, axis=1)[:, None]))
+
+    def follow(self, slip: Array) -> None:
         """Move to a new slip: q by its own linearised equation, |q| ≤ 1.
 
         Args:
-            slip: As the law counts and feels it, (points, components) (length).
-            epsilon: ε (length).
+            slip: Since the start, (points, components) (length).
         """
-        size, directions = self._lengths_and_directions(epsilon)
-        lengthening = np.einsum("ij,ij->i", directions, slip - self.slip)
-        dual = (slip - self._dual * lengthening[:, None]) / size[:, None]
-        self.take((slip, dual / np.maximum(lengths(dual), 1.0)[:, None]), epsilon)
+        scaled = self._law.scaled_slip(slip)
+        size, directions = self._lengths_and_directions()
+        lengthening = np.einsum("ij,ij->i", directions, scaled - self.slip)
+        dual = (scaled - self._dual * lengthening[:, None]) / size[:, None]
+        self.take((scaled, dual / np.maximum(lengths(dual), 1.0)[:, None]))
 
-    def take_true(self, slip: Array, epsilon: float) -> None:
-        """Be at a slip with its own direction, from now on with nothing left stiff.
+    def take_true(self, slip: Array) -> None:
+        """Be at the law's own derivative, from now on with nothing left stiff.
 
         Args:
             slip: As of ``follow``.
-            epsilon: ε (length).
         """
         self._left_stiff = 0.0
-        size = np.maximum(lengths(slip), epsilon)
-        self.take((slip, slip / size[:, None]), epsilon)
+        scaled = self._law.scaled_slip(slip)
+        size = np.maximum(lengths(scaled), self._law.regularisation.parameter)
+        self.take((scaled, scaled / size[:, None]))
 
-    def _lengths_and_directions(self, epsilon: float) -> tuple[Array, Array]:
+    def _lengths_and_directions(self) -> tuple[Array, Array]:
         """max(|u_T|, ε) and its gradient, u_T/|u_T| where slipping and 0 where sticking."""
-        size = lengths(self.slip)
+        size, epsilon = lengths(self.slip), self._law.regularisation.parameter
         slips = size > epsilon
         directions = np.where(slips[:, None], self.slip / np.where(slips, size, 1.0)[:, None], 0.0)
         return np.maximum(size, epsilon), directions
 
 
 def lengths(vectors: Array) -> Array:
-    """Of vectors, (points, components): what numpy's norm takes several times as long for."""
+    """Lengths of vectors, (points,); numpy's norm takes several times as long for them."""
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))

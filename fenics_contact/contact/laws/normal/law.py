@@ -11,11 +11,18 @@ import ufl
 
 from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.contact.laws.law import ContactLaw
+from fenics_contact.contact.laws.force import ContactForce
+from fenics_contact.contact.laws.law import ContactLaw, defined_in_same_class
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.values import PositionFunction, Profile, Value
 
+# What a law says twice: by forms, and at the points.
+_TOGETHER = (
+    ("force", "at_points"),
+    ("tangents", "tangent_at_points"),
+    ("loads", "loads_at_points"),
+)
 # What the scene gives of a law: a number, a profile or a function, None of what it leaves out.
 Parameter = float | Profile | PositionFunction | None
 # A linear form of what is given, in full, and the share of it that acts at a pseudo-time.
@@ -37,7 +44,7 @@ class NormalGradient:
     fields: Mapping[str, Array]
 
 
-class NormalLaw(ContactLaw):
+class NormalLaw(ContactLaw, ContactForce):
     """The law across a contact; this one exerts nothing, and others say what they do instead.
 
     Attributes:
@@ -72,6 +79,20 @@ class NormalLaw(ContactLaw):
     def penalty_parameter(cls, site: LawSite) -> float:
         """ε₁ as used (length/stress), 0 without a penalty."""
         return 0.0
+
+    @property
+    def is_pointwise(self) -> bool:
+        """Whether its numbers at the points are made along with its forms.
+
+        Those of a law that has other forms than the one it derives from need not be its own.
+        """
+        return all(defined_in_same_class(self, one, other) for one, other in _TOGETHER)
+
+    @property
+    def has_derivatives(self) -> bool:
+        """Whether ``vjp`` is of its own numbers, and nothing else is kept between steps."""
+        own = defined_in_same_class(self, "vjp", "at_points") and self.is_pointwise
+        return super().has_derivatives and (own or not self.follows_jump)
 
     @property
     def is_load(self) -> bool:

@@ -123,7 +123,6 @@ def moved(load_steps, measure):
     rows = shifted_answers(load_steps, measure, edges)
     pieces = dict(zip(before, cut_areas(problem.contacts[0], solution.states[0]), strict=True))
     span = {key: np.ptp([found[key] for _, found in rows]) / pieces[key] for key in before}
-    problem.contacts[0].friction.set_share(1.0)
     strong = problem.contacts[0].friction.bound_of(np.ones(1))[0]
     return len(rows), span, strong, problem.disturbance
 
