@@ -67,7 +67,7 @@ def contact_quantities(problem: Problem, solution: Solution, number: int) -> dic
     found: dict[str, Any] = {}
     for evaluate in _EVALUATORS:
         found |= evaluate(answer)
-    return found
+    return found | {name: value(answer) for name, value in _REGISTERED.items()}
 
 
 def register(quantity: Quantity, value: Callable[[ContactAnswer], float]) -> None:
@@ -81,7 +81,17 @@ def register(quantity: Quantity, value: Callable[[ContactAnswer], float]) -> Non
         ValueError: There is a quantity of this name.
     """
     table.register(quantity)
-    _EVALUATORS.append(lambda answer: {quantity.name: value(answer)})
+    _REGISTERED[quantity.name] = value
+
+
+def unregister(name: str) -> None:
+    """Take out a quantity that was registered.
+
+    Args:
+        name: Of the quantity.
+    """
+    del _REGISTERED[name]
+    table.remove(name)
 
 
 def _resultants(answer: ContactAnswer) -> Mapping[str, Any]:
@@ -183,7 +193,8 @@ def _motion(answer: ContactAnswer) -> Mapping[str, Any]:
     return found
 
 
-_EVALUATORS: list[Evaluator] = [
+_EVALUATORS: tuple[Evaluator, ...] = (
     *(_resultants, _peak_pressure, _areas, _penetration, _slip, _energies, _wear),
     *(_stored_along, _undecided, _of_two_bodies, _motion),
-]
+)
+_REGISTERED: dict[str, Callable[[ContactAnswer], float]] = {}

@@ -22,8 +22,7 @@ def register(quantity: Quantity) -> None:
     """Add a row to the table.
 
     Args:
-        quantity: The row. Its evaluation is registered beside it, by
-            ``evaluate.evaluators.register``.
+        quantity: The row. ``evaluate.contact_quantities.register`` adds its evaluation, too.
 
     Raises:
         ValueError: There is a quantity of this name.
