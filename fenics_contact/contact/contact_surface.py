@@ -91,7 +91,7 @@ class ContactSurface:
         named = law_of(contact)
         self.kinematics = self._kinematics(key, named)
         self.axis = self.sides.axis(self.kinematics.axis)
-        self.supports = SurfaceSupports(self.trace, constrained)
+        self.follow_supports(constrained)
         self.scales = ContactScales(self.sides, elastic)
         self.moduli, self.facet_size = self.scales.moduli, self.scales.facet_size
         self.paths = ContactPaths(contact, key, named.sticks)
@@ -176,10 +176,25 @@ class ContactSurface:
         """How often a force of it counts in what Newton's method balances."""
         return self.friction_weight if term is self.friction_term else 1.0
 
-    @property
-    def can_go_by_points(self) -> bool:
-        """Whether all points are nodes, and its laws say what they do at points."""
-        return self.trace.nodal and self.normal.is_pointwise
+    def go_by_points(self) -> None:
+        """Work out forces and tangents point by point from now on, where that is possible.
+
+        So it is where all points are nodes, and its laws say what they do at points.
+        """
+        self.by_points = self.trace.nodal and self.normal.is_pointwise
+
+    def act_in_motion(self) -> None:
+        """Have friction act as in steps of motion: twice in the balance, and all along a step."""
+        self.friction_weight = 2.0
+        self.last_step.take_ends()
+
+    def follow_supports(self, constrained: Integers) -> None:
+        """Take what supports hold from other dofs; collective.
+
+        Args:
+            constrained: Dofs that supports hold (local indices, owned and ghost).
+        """
+        self.supports = SurfaceSupports(self.trace, constrained)
 
     def force_of(self, term: NormalLaw | FrictionTerm) -> Array:
         """One of its forces at all nodes of its surface; collective."""
@@ -221,7 +236,7 @@ class ContactSurface:
         kinematics = self.kinematics
         self.force = self.paths.force(time)
         if self.force is None:
-            kinematics.indentation = self.paths.indentation(time)
+            kinematics.drive(self.paths.indentation(time))
         moved = self.paths.displacement(time)
         if moved is not None:
             kinematics.displace(moved)
@@ -270,7 +285,7 @@ class ContactSurface:
         self.friction.accept(slip)
         self.last_step.count_from(slip)
         left = self.last_step.measured_anew(self.state().gap)
-        self.last_step.left_open += float(self.trace.integral(left))
+        self.last_step.leave_open(float(self.trace.integral(left)))
 
     def accept(self) -> None:
         """A load step is done: slip counts from here where the law is incremental; collective."""
@@ -282,7 +297,7 @@ class ContactSurface:
         self.friction.accept(state.slip)
 
     @property
-    def remembers(self) -> bool:
+    def is_path_dependent(self) -> bool:
         """Whether what it does depends on the load steps before."""
         return self.friction.follows_path or self.wear.wears
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 
 import numpy as np
@@ -101,6 +101,14 @@ class LastStep:
         self.state, self.gap = state, gap
         self.dissipated += work
 
+    def leave_open(self, work: float) -> None:
+        """Count work of pressures whose gap was measured anew between steps (energy)."""
+        self.left_open += work
+
+    def take_ends(self) -> None:
+        """Take friction at the end of a step to act in all of it, from now on."""
+        self.acts_all_along = True
+
     def begin_cycle(self) -> None:
         """A cycle of loads begins with the next step."""
         self.dissipated_before = (*self.dissipated_before, self.dissipated)
@@ -131,10 +139,24 @@ class LastStep:
         code = np.select([last["status"] == kind for kind in _KINDS], range(len(_KINDS)))
         return last | {"status": code.astype(np.float64), "obstacle_gap": self.gap}
 
-    def restore(self, at_points: Mapping[str, Array], dissipated: float, left_open: float) -> None:
-        """Go on from where another run left."""
+    def restore(
+        self,
+        at_points: Mapping[str, Array],
+        dissipated: float,
+        left_open: float,
+        dissipated_before: Sequence[float],
+    ) -> None:
+        """Go on from where another run left.
+
+        Args:
+            at_points: As ``at_points`` gave them, others among them.
+            dissipated: As the attribute (energy).
+            left_open: Likewise.
+            dissipated_before: Likewise.
+        """
         status = np.array(_KINDS)[at_points["status"].astype(np.int64)]
         last = {name: at_points[name] for name in self._names} | {"status": status}
         self.state = type(self.state)(**last)
         self.gap = at_points["obstacle_gap"]
         self.dissipated, self.left_open = dissipated, left_open
+        self.dissipated_before = tuple(dissipated_before)

@@ -64,9 +64,9 @@ def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
 
 def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     """Go back to a remembered state, bodies being paired as they were."""
-    contact.kinematics.indentation = memory.indentation
-    contact.last_step.restore(memory.at_points, memory.dissipated, memory.left_open)
-    contact.last_step.dissipated_before = tuple(memory.dissipated_before)
+    contact.kinematics.drive(memory.indentation)
+    done = memory.dissipated, memory.left_open, memory.dissipated_before
+    contact.last_step.restore(memory.at_points, *done)
     contact.normal.recall(memory.at_points)
     contact.friction.regularisation.recall(memory.regularisation_parameter, memory.is_scaled)
     contact.friction.recall(memory.at_points)

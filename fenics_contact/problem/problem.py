@@ -19,7 +19,6 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.surface.supports import SurfaceSupports
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.drive import Disturbance, Drive
@@ -104,8 +103,8 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
-            for contact in self.contacts:
-                contact.by_points = by_points and contact.can_go_by_points
+            for contact in self.contacts if by_points else ():
+                contact.go_by_points()
             own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
             self.own_arrays = of_several_contacts(own_arrays)
             self.unknowns: list[ScalarUnknown] = [
@@ -255,7 +254,7 @@ class Problem:
         self.supports.add(support)
         self.constrained = np.union1d(self.constrained, support.dofs)
         for contact in self.contacts:
-            contact.supports = SurfaceSupports(contact.trace, self.constrained)
+            contact.follow_supports(self.constrained)
         self.set_time(self.scene.load_steps.last)
 
     def reach(self, scalars: Array) -> None:

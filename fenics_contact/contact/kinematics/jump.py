@@ -254,6 +254,14 @@ class ContactKinematics(ABC):
         """How squarely the obstacle is driven onto each point, −m·n."""
         return np.asarray(-self.trace.normals @ self.direction)
 
+    def drive(self, indentation: float) -> None:
+        """Bring the obstacle in by a depth; the jump follows with the next ``move``.
+
+        Args:
+            indentation: How far it is driven (length).
+        """
+        self.indentation = indentation
+
     def move(self, relative: Array, indentation: float | None = None) -> None:
         """Set the jump.
 

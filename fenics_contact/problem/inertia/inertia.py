@@ -98,8 +98,7 @@ class Inertia:
         if self.damping is not None:
             self.stiffness = self.damping.added_to(inertial)
         for contact in contacts:
-            contact.friction_weight = 2.0
-            contact.last_step.acts_all_along = True
+            contact.act_in_motion()
         self._found: tuple[MovingState, Array, StepForces] | None = None
         self._left: tuple[MovingState, Array, Array] | None = None
         none = np.zeros(shape)

@@ -238,7 +238,7 @@ class Estimates:
 
 def _remembers(problem: Problem) -> bool:
     """Whether the answer depends on load steps: friction, wear, locked bolts, new pairings."""
-    if any(contact.remembers for contact in problem.contacts):
+    if any(contact.is_path_dependent for contact in problem.contacts):
         return True
     if any(preload.is_locked for preload in problem.preloads):
         return True
