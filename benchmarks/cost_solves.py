@@ -16,12 +16,10 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import global_quantities, support_records
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.step_history import StepHistory
-from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.listener import AtEachStep
+from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.solve.memory import unknowns
-from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.solver_choice import choose_solver, create_system
 from fenics_contact.trust.error_estimates.budget import error_budget
 
 # isort: split
@@ -187,7 +185,6 @@ def frictional_solve(problem: Problem) -> Frictional:
     pair_again(problem)
     pairing = watch.seconds()
     timings = Timings()
-    system = create_system(problem, choose_solver(problem), timings)
     firsts: list[float] = []
     iterations: list[tuple[int, int]] = []
 
@@ -196,11 +193,10 @@ def frictional_solve(problem: Problem) -> Frictional:
         iterations.append((solution.newton_iterations, solution.outer_iterations))
         watch.exclude(lambda: read_results(problem, solution))
 
-    try:
-        solution = LoadSteps(Newton(problem, system, timings), accepted).solve()
+    with stepping(problem, timings) as load_steps:
+        solution = load_steps.solve(AtEachStep(accepted))
         seconds, reading = watch.seconds(), largest(problem.comm, np.array([watch.excluded]))
-    finally:
-        system.destroy()
+        system = load_steps.newton.system
     newton, outer = (sum(column) for column in zip(*iterations, strict=True))
     return Frictional(
         solution, seconds, firsts[0], pairing, reading, newton, outer, system.factorisations
@@ -212,18 +208,12 @@ def seconds_of_errors(problem: Problem) -> float:
     timings = Timings()
     history = StepHistory(problem, timings, partial(BulkForces, problem))
     history.begin([])
-    taken: list[float] = []
-
-    def estimate(load_steps: LoadSteps) -> None:
+    with stepping(problem, timings) as load_steps:
+        load_steps.keep_ends()
+        load_steps.solve(AtEachStep(history.add))
         watch = Stopwatch(problem.comm)
         error_budget(load_steps, history.steps)
-        taken.append(watch.seconds())
-
-    def begin(load_steps: LoadSteps) -> None:
-        load_steps.ends = {}
-
-    solve(problem, timings, history.add, begun=begin, ended=estimate)
-    return taken[0]
+        return watch.seconds()
 
 
 def pair_again(problem: Problem) -> None:

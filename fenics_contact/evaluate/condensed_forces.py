@@ -17,6 +17,7 @@ from fenics_contact.evaluate.rows_of_body import RowsOfBody, at_far_field, presc
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import ContactScalar, PreloadState
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.rows.row import GivenState
 from fenics_contact.solve.newton.solution import Solution
 
@@ -64,6 +65,12 @@ class CondensedForces(NeededForces):
             forces -= value * share
         at_unknowns = stiffness.at_unknowns(self._displacement)
         self._state = GivenState(position, at_unknowns[body.held], forces)
+
+    @classmethod
+    def of(cls, system: CondensedSystem, solution: Solution) -> CondensedForces:
+        """Those of a solution, in the state of the system that has found it; collective."""
+        scalars = system.scalar_values(system.state)
+        return cls(system.problem, solution, system.body, system.position(), scalars)
 
     @cached_property
     def _of_given(self) -> tuple[Array, Array]:

@@ -45,10 +45,16 @@ from fenics_contact.simulation.output.functions import Fields
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.step_history import StepHistory
+from fenics_contact.simulation.steps_of_run import (
+    AtEnd,
+    EndOfRun,
+    RunListeners,
+    StepsOfRun,
+    by_default,
+)
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.vibration.stability import SlidingStability
 from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes
-from fenics_contact.simulation.way_through import AtEnd, EndOfRun, Onlookers, WayThrough, by_default
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
@@ -248,15 +254,15 @@ class Run:
         """
         told = announce or by_default(self.scene)
         calls = (told, accepted, stopped, partial(self._answer_alone, answered), self.at_end)
-        onlookers = Onlookers(*calls)
+        listeners = RunListeners(*calls)
         with failing_together(self.problem.comm):
             if state is not None:
                 state.make_folder()
             self._choose_modes()
-            parts = (self.scene, self._history, self.timings, onlookers)
-            return self._solve(WayThrough(*parts, state, saved, guess), saved)
+            parts = (self.scene, self._history, self.timings, listeners)
+            return self._solve(StepsOfRun(*parts, state, saved, guess), saved)
 
-    def _solve(self, way: WayThrough, saved: SavedRun | None) -> Result:
+    def _solve(self, taken: StepsOfRun, saved: SavedRun | None) -> Result:
         """As ``solve``."""
         history, asked = self._history, self.scene.fretting
         begin_motion(self.problem, self.timings)
@@ -266,9 +272,9 @@ class Run:
         self.end = EndOfRun()
         try:
             condense = None if self._kept is None else self._kept.condense
-            way.take(self.problem, self.choice, condense, self.end)
+            taken.take(self.problem, self.choice, condense, self.end)
         except NotConvergedError as error:
-            return self._unconverged(error, way.tried, way.spent)
+            return self._unconverged(error, taken.tried, taken.spent)
         except StoppedError:
             return self._interrupted()
         if self.scene.motion is not None and self.scene.solver.errors == "all":

@@ -235,19 +235,16 @@ def test_failure_to_converge_exits_3_with_the_history_and_no_numbers(folder, cap
 
 def test_failed_check_exits_4(folder, monkeypatch):
     """Friction forces off by a tenth, as a faulty law would give them."""
-    from fenics_contact.simulation import way_through as module
+    from fenics_contact.simulation.steps_of_run import StepsOfRun
 
-    solve = module.solve
+    accepted = StepsOfRun.accepted
 
-    def wrong(problem, timings, accepted, *others):
-        def accept_faulty(time, solution):
-            for force in solution.friction_force:
-                force *= 0.9
-            accepted(time, solution)
+    def accept_faulty(self, step):
+        for force in step.solution.friction_force:
+            force *= 0.9
+        accepted(self, step)
 
-        return solve(problem, timings, accept_faulty, *others)
-
-    monkeypatch.setattr(module, "solve", wrong)
+    monkeypatch.setattr(StepsOfRun, "accepted", accept_faulty)
     out = folder / "out"
     assert main(["run", write(folder, SCENE), "--out", str(out)]) == 4
     result = json.loads((out / "result.json").read_text(encoding="utf-8"))

@@ -9,7 +9,7 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.evaluate.contact_areas import cut_areas
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import stepping
 from tests.scenes import box_body
 
 
@@ -29,14 +29,9 @@ def test_pieces_that_an_edge_passes_through_count_once(kind, share, comm=MPI.COM
     problem = Problem(
         scene, DiscreteBody(BodyDescription.of(scene), box_body((2, 2, 1), (2, 2, 1), kind, comm))
     )
-    found = []
-    solve(
-        problem,
-        ended=lambda steps: found.append(
-            cut_areas(problem.contacts[0], steps.last.solution.states[0])
-        ),
-    )
-    (touching, _) = found[0]
+    with stepping(problem) as load_steps:
+        (state,) = load_steps.solve().states
+        (touching, _) = cut_areas(problem.contacts[0], state)
     if share is None:
         assert 2 <= touching <= 4  # as its diagonals run
     else:

@@ -11,7 +11,8 @@ from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import global_quantities
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.listener import AtEachStep
+from fenics_contact.solve.load_steps.load_stepper import solve
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 from tests.wrong_answers import with_body
@@ -195,7 +196,7 @@ def test_a_wrong_answer_is_noticed(how):
         book.count(forces)
         kept.update(book.quantities(kept))
 
-    solve(problem, accepted=count, choice=prepared.choice)
+    solve(problem, None, AtEachStep(count), choice=prepared.choice)
     assert book.check(kept).passed == (how is None)
 
 
@@ -215,7 +216,7 @@ def test_a_book_goes_on_where_it_was_left():
                 books.append(EnergyBook(problem))
                 books[-1].resume(books[-2].sums, forces)
 
-        solve(problem, accepted=count, choice=prepared.choice)
+        solve(problem, None, AtEachStep(count), choice=prepared.choice)
         results.append((kept["energy_defect"], books[-1].check(kept)))
     assert results[0] == results[1]
 

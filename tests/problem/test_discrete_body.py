@@ -21,7 +21,7 @@ from fenics_contact import (
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import solve
 from tests.solve.load_steps.histories import block, dragged, shoved, two_blocks
 
 ONE = dragged(Steps(number=2))

@@ -7,7 +7,7 @@ from dolfinx import jit
 from mpi4py import MPI
 
 from fenics_contact import Contact, InputError, Load, Material, Profile, Run, Scene, Support, run
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import solve
 from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD

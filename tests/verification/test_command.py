@@ -394,21 +394,17 @@ def test_wrong_solution_fails(monkeypatch):
 
 
 def test_run_that_its_checks_refuse_is_a_finding_that_failed(capsys, monkeypatch):
-    from fenics_contact.simulation import way_through
+    from fenics_contact.solve.load_steps.load_steps import LoadSteps
 
-    solve = way_through.solve
+    solve = LoadSteps.solve
 
-    def wrong(*arguments):
-        *others, end, condense, drive = arguments
+    def spoiled(self, *listeners):
+        solution = solve(self, *listeners)
+        for force in solution.friction_force:
+            force *= 0.9
+        return solution
 
-        def spoiled(history):
-            for force in history.last.solution.friction_force:
-                force *= 0.9
-            end(history)
-
-        return solve(*others, spoiled, condense, drive)
-
-    monkeypatch.setattr(way_through, "solve", wrong)
+    monkeypatch.setattr(LoadSteps, "solve", spoiled)
     assert main(["verify", "slab", "--quick"]) == 4
     assert "do not trust it" in COMM.bcast(capsys.readouterr().out)
 

@@ -60,8 +60,7 @@ def history_slopes(
     for step in reversed(steps):
         if step is not last and not (is_whole or follows):
             break
-        load_steps.last = step
-        load_steps.go_back()
+        load_steps.go_back_to(step)
         changes = changes_at(step)
         if is_whole or step is last:
             found[step] = {name: np.zeros(len(of)) for name in changes}
@@ -76,6 +75,5 @@ def history_slopes(
             going_back[one, place] = of_step_before(problem, gradient)
         if not follows:
             going_back.clear()
-    load_steps.last = last
-    load_steps.go_back()
+    load_steps.go_back_to(last)
     return [found[step] for step in steps if step in found]

@@ -22,6 +22,8 @@ from fenics_contact.simulation.studies.saved_body import SavedBody
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
+from fenics_contact.solve.load_steps.load_stepper import stepping_on
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.modes.free_modes import free_modes
 from fenics_contact.solve.modes.modal_bulk import ModalBulk
 
@@ -122,26 +124,27 @@ class KeptBody:
         return self.condensed
 
     @contextmanager
-    def solving(
+    def stepping(
         self, scene: Scene, timings: Timings
-    ) -> Iterator[tuple[CondensedSystem, CondensedBody]]:
-        """A scene on the body while it is solved, and the body condensed; collective.
+    ) -> Iterator[tuple[LoadSteps, CondensedSystem]]:
+        """The load steps of a scene on the body, none of them taken; collective.
 
         Args:
             scene: Whose body it is.
             timings: Seconds so far.
+
+        Returns:
+            The load steps and their system, while these are in use; what is inside the body is
+            found where somebody asks for it.
 
         Raises:
             InputError: The scene cannot be used, or has no equilibrium.
         """
         problem = Problem(scene, self.discrete, timings, by_points=True)
         require_equilibrium(problem)
-        body = self.in_statics(problem, timings)
-        system = CondensedSystem(problem, timings, body)
-        try:
-            yield system, body
-        finally:
-            system.destroy()
+        system = CondensedSystem(problem, timings, self.in_statics(problem, timings))
+        with stepping_on(system, timings, finds_body=False) as load_steps:
+            yield load_steps, system
 
     def make_rows(self) -> None:
         """Make those that quick answers of the last problem ask for; collective."""

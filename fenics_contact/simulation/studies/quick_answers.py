@@ -20,10 +20,10 @@ from fenics_contact.simulation import verdict
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.warm_start import Uniqueness, WarmStart
-from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.systems.body_answer import FindBody
 
@@ -122,68 +122,76 @@ class QuickAnswers:
             MachineError: The machine failed.
         """
         timings = Timings()
-        with self._kept.solving(scene, timings) as (system, body):
-            return self._solved(system, body, timings, follow, checks, watch)
+        with self._kept.stepping(scene, timings) as (load_steps, system):
+            history = StepHistory(system.problem, timings, partial(CondensedForces.of, system))
+            history.begin([])
+            taken = _QuickSteps(load_steps, history, watch)
+            start = self._begin(load_steps, system, taken.warm, follow)
+            try:
+                solution = load_steps.solve(taken)
+            except NotConvergedError as error:
+                return Answer(
+                    converged=False, said=str(error), start="cold", verdict=f"No answer: {error}"
+                )
+            if self._last is not None:
+                taken.warm.without_friction = self._last.without_friction
+            self._last, self.find_body = taken.warm, solution.find_body
+            return _measured(history, solution, start if load_steps.warm_steps else "cold", checks)
 
-    def _solved(
-        self,
-        system: CondensedSystem,
-        body: CondensedBody,
-        timings: Timings,
-        follow: bool,
-        checks: bool,
-        watch: Watch | None,
-    ) -> Answer:
-        problem = system.problem
-        history = StepHistory(problem, timings, partial(_forces_of, system, body))
-        history.begin([])
-        newton = Newton(problem, system, timings)
-        last, present = self._last, WarmStart()
-        found: list[Answer] = []
+    def _begin(
+        self, load_steps: LoadSteps, system: CondensedSystem, present: WarmStart, follow: bool
+    ) -> Start:
+        """Begin load steps at those of the last answer, where they may; collective.
 
-        def accepted(time: float, solution: Solution) -> None:
-            present.keep(newton)
-            if load_steps.pace.next(time) is not None:
-                history.pass_by(time, solution)
-                return
-            history.add(time, solution)
-            begun: Start = start if load_steps.warm_steps else "cold"
-            found.append(_measured(history, solution, begun, checks))
-            self.find_body = solution.find_body
-            if watch is not None:
-                watch(problem, solution)
+        Args:
+            load_steps: None of them is taken yet.
+            system: Theirs.
+            present: To which those that are taken are added.
+            follow: As of ``answer``.
 
-        load_steps = LoadSteps(newton, accepted)
-        load_steps.finds_body = False
-        start: Start = "cold"
-        if last is not None and last.suits(problem):
-            # How automatic steps are cut and grow depends on where they begin.
-            listed = not problem.scene.steps.automatic
-            is_sure = listed and self._uniqueness.is_sure(system)
-            if is_sure or follow:
-                load_steps.warm = lambda newton: last.solve(newton, len(present.steps))
-                start = "warm" if is_sure else "followed"
-        try:
-            load_steps.solve()
-        except NotConvergedError as error:
-            return Answer(
-                converged=False, said=str(error), start="cold", verdict=f"No answer: {error}"
-            )
-        present.without_friction = None if last is None else last.without_friction
-        self._last = present
-        return found[-1]
+        Returns:
+            How those begin that come from the last answer.
+        """
+        last, problem = self._last, system.problem
+        if last is None or not last.suits(problem):
+            return "cold"
+        # How automatic steps are cut and grow depends on where they begin.
+        listed = not problem.scene.steps.automatic
+        is_sure = listed and self._uniqueness.is_sure(system)
+        if not (is_sure or follow):
+            return "cold"
+        load_steps.begin_near(warm=lambda newton: last.solve(newton, len(present.steps)))
+        return "warm" if is_sure else "followed"
 
 
-def _forces_of(system: CondensedSystem, body: CondensedBody, solution: Solution) -> CondensedForces:
-    """What the bulk needs in the present state of a system; collective."""
-    scalars = system.scalar_values(system.state)
-    return CondensedForces(system.problem, solution, body, system.position(), scalars)
+class _QuickSteps(StepListener):
+    """Adds the last load step of a quick answer to its history, and keeps all for the next answer.
+
+    Attributes:
+        warm: The load steps of this answer, from which the next one begins.
+    """
+
+    def __init__(
+        self, load_steps: LoadSteps, history: StepHistory[CondensedForces], watch: Watch | None
+    ) -> None:
+        self._load_steps, self._history, self._watch = load_steps, history, watch
+        self.warm = WarmStart()
+
+    def accepted(self, step: AcceptedStep) -> None:
+        """Keep a load step; collective."""
+        self.warm.keep(self._load_steps.newton)
+        if self._load_steps.pace.next(step.time) is not None:
+            self._history.pass_by(step.time, step.solution)
+            return
+        self._history.add(step.time, step.solution)
+        if self._watch is not None:
+            self._watch(self._load_steps.problem, step.solution)
 
 
 def _measured(
     history: StepHistory[CondensedForces], solution: Solution, start: Start, checks: bool
 ) -> Answer:
-    """Of the last load step, before slip is counted anew; collective."""
+    """Of the last load step, in whose state the problem still is; collective."""
     problem, steps = history.forces.problem, history.steps
     found = history.checks() if checks else None
     return Answer(

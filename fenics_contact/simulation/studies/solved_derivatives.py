@@ -7,15 +7,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from fenics_contact.common.timings import Timings
+from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives, derivatives
 from fenics_contact.simulation.sensitivities.kinks import has_kink
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.solution import Solution
 
 
 @dataclass(frozen=True)
@@ -83,17 +83,26 @@ def solved_scene(kept: KeptBody, scene: Scene) -> Iterator[SolvedScene]:
         InputError: The scene has no equilibrium.
         NotConvergedError: There is no answer.
     """
-    timings = Timings()
-    with kept.solving(scene, timings) as (system, _):
-        steps: list[AcceptedStep] = []
-        kinks: list[bool] = []
+    with kept.stepping(scene, Timings()) as (load_steps, system):
+        taken = _StepsWithKinks(system.problem)
+        load_steps.solve(taken)
+        yield SolvedScene(load_steps, system, taken.steps, taken.one_sided)
 
-        def accepted(time: float, solution: Solution) -> None:
-            assert load_steps.last is not None
-            steps.append(load_steps.last)
-            kinks.append(has_kink(system.problem, solution))
 
-        load_steps = LoadSteps(Newton(system.problem, system, timings), accepted)
-        load_steps.finds_body = False
-        load_steps.solve()
-        yield SolvedScene(load_steps, system, steps, any(kinks))
+class _StepsWithKinks(StepListener):
+    """Keeps load steps to be differentiated.
+
+    Attributes:
+        steps: All of them.
+        one_sided: Whether points just touch or just slip in one of them.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self.steps: list[AcceptedStep] = []
+        self.one_sided = False
+
+    def accepted(self, step: AcceptedStep) -> None:
+        """Keep a load step; collective."""
+        self.steps.append(step)
+        self.one_sided |= has_kink(self._problem, step.solution)

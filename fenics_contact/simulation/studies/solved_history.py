@@ -26,9 +26,7 @@ from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneC
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
-from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 # Signs of the cells' errors: as they are, and drawn, lest they seem to cancel.
@@ -78,35 +76,39 @@ def solved_history(
         NotConvergedError: There is no answer.
     """
     timings = Timings()
-    with kept.solving(scene, timings) as (system, body):
+    with kept.stepping(scene, timings) as (load_steps, system):
         problem = system.problem
-        steps: list[AcceptedStep] = []
-
-        def forces_of(solution: Solution) -> CondensedForces:
-            scalars = system.scalar_values(system.state)
-            return CondensedForces(problem, solution, body, system.position(), scalars)
-
-        records = StepHistory(problem, timings, forces_of)
+        records = StepHistory(problem, timings, partial(CondensedForces.of, system))
         records.begin([])
-
-        def accepted(time: float, solution: Solution) -> None:
-            assert load_steps.last is not None
-            records.add(time, solution)
-            steps.append(load_steps.last)
-
-        load_steps = LoadSteps(Newton(problem, system, timings), accepted)
-        load_steps.finds_body = False
-        load_steps.solve()
+        taken = _RecordedSteps(records)
+        load_steps.solve(taken)
         checks = records.checks() if is_judged else {}
         errors = _Errors(problem) if is_judged else None
         changes = partial(_changes, problem, by, errors)
-        found = history_slopes(load_steps, system, steps, of, changes, is_whole)
+        found = history_slopes(load_steps, system, taken.steps, of, changes, is_whole)
         return History(
             records.steps,
             {key: np.array([row[key] for row in found]) for key in by},
             {} if errors is None else errors.along(found),
             checks,
         )
+
+
+class _RecordedSteps(StepListener):
+    """Records load steps, and keeps them to be differentiated.
+
+    Attributes:
+        steps: All of them.
+    """
+
+    def __init__(self, records: StepHistory[CondensedForces]) -> None:
+        self._records = records
+        self.steps: list[AcceptedStep] = []
+
+    def accepted(self, step: AcceptedStep) -> None:
+        """Record a load step, and keep it; collective."""
+        self._records.add(step.time, step.solution)
+        self.steps.append(step)
 
 
 def _changes(

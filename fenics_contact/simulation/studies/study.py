@@ -30,8 +30,6 @@ from fenics_contact.simulation.vibration.vibration import Vibration, vibration_o
 from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
 from fenics_contact.simulation.worn.worn_cycles import WornCycles
 from fenics_contact.simulation.worn.worn_files import WornFiles
-from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.newton import Newton
 
 if TYPE_CHECKING:
     from fenics_contact import Exploration, Objective
@@ -360,9 +358,7 @@ class Study:
         with failing_together(self.comm):
             said = None if scene.cycles is None else scene.cycles.jumps
             once, begin, cycles = one_cycle(scene, begin, cycles)
-            timings = Timings()
-            with self._body_of(once).solving(once, timings) as (system, _):
-                load_steps = LoadSteps(Newton(system.problem, system, timings))
+            with self._body_of(once).stepping(once, Timings()) as (load_steps, _):
                 cycling = WornCycles(load_steps, begin, jumps or said or Jumps())
                 files = None if folder is None else WornFiles(self.comm, Path(folder))
                 for cycle in cycling.run(cycles):

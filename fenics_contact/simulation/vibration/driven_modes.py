@@ -12,15 +12,14 @@ from fenics_contact.problem.drive import Drive
 from fenics_contact.results.records.vibration import DampingRecord
 from fenics_contact.scene.asked.vibration import Damping
 from fenics_contact.scene.loading.cycles import Cycles
-from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.rows.row import Functional
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.cycle_watch import change_to_come
+from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import PaceOfCycles
 from fenics_contact.solve.modes.eigenmodes import Mode
-from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 
 # Pseudo-time of a cycle.
@@ -31,13 +30,12 @@ _CREEPS = 0.05
 _FEWEST, _NO_LOSS = 3, 1e-5
 
 
-class DrivenMode:
+class DrivenMode(StepListener):
     """Forces ω² a M φ, a from 0 up, then to and fro; collective, as all its methods.
 
     Args:
-        newton: On the problem.
-        system: Its unknowns.
-        body: Its body.
+        load_steps: Those that have led to the state about which it vibrates.
+        system: Their unknowns.
         begin: The load step about which it vibrates.
         mode: The mode.
         number: Of the mode.
@@ -46,9 +44,8 @@ class DrivenMode:
 
     def __init__(
         self,
-        newton: Newton,
+        load_steps: LoadSteps,
         system: CondensedSystem,
-        body: CondensedBody,
         begin: AcceptedStep,
         mode: Mode,
         number: int,
@@ -56,8 +53,7 @@ class DrivenMode:
     ) -> None:
         self._problem, self._system, self._begin = system.problem, system, begin
         self._mode, self._number, self._asked = mode, number, asked
-        self._load_steps = LoadSteps(newton, self._add)
-        self._load_steps.finds_body = False
+        self._load_steps, body = load_steps, system.body
         share = body.stiffness.share
         (self._row,) = body.rows.maker.make([Functional(forces=share(mode.forces))])
         self._of_drive = self._work_of(share(mode.forces))
@@ -94,7 +90,7 @@ class DrivenMode:
             self._at_rest = self._system.position(), self._shortenings()
             self._loop: list[tuple[float, float]] = []
             self._lost: list[Array] = []
-            self._load_steps.solve()
+            self._load_steps.solve(self)
             assert self._load_steps.last is not None
             return self._record(amplitude, self._load_steps.last.solution)
         finally:
@@ -104,15 +100,15 @@ class DrivenMode:
     def _shortenings(self) -> Array:
         return self._problem.of_preloads(self._system.scalar_values(self._system.state))
 
-    def _add(self, time: float, solution: Solution) -> None:
-        """A load step is accepted."""
-        share = _to_and_fro(time - self._begin.unknowns.time)
+    def accepted(self, step: AcceptedStep) -> None:
+        """Follow the loop of the driven mode by a load step; collective."""
+        share = _to_and_fro(step.time - self._begin.unknowns.time)
         position, shortenings = self._at_rest
         moved = float(self._row.of_contacts @ (self._system.position() - position))
         moved -= share * self._force * self._of_drive
         moved += float(self._of_shortenings @ (self._shortenings() - shortenings))
         self._loop.append((share, moved / self._mode.mass))
-        pairs = zip(self._problem.contacts, solution.states, strict=True)
+        pairs = zip(self._problem.contacts, step.solution.states, strict=True)
         self._lost.append(np.array([contact.work.of_friction(state) for contact, state in pairs]))
         pace = self._load_steps.pace
         if self._has_settled() and isinstance(pace, PaceOfCycles):

@@ -20,10 +20,8 @@ from fenics_contact.scene.asked.stability import Stability
 from fenics_contact.scene.loading.motion import Rayleigh
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.modes.flutter import GROWS, first_growth
 from fenics_contact.solve.modes.sliding_modes import ComplexMode, sliding_modes
-from fenics_contact.solve.newton.newton import Newton
 
 logger = logging.getLogger(__name__)
 
@@ -141,12 +139,10 @@ def _curve(
 def _modes(kept: KeptBody, scene: Scene, asked: Stability) -> list[ComplexMode]:
     """Of a scene's last state; collective."""
     timings, rayleigh = Timings(), asked.rayleigh or Rayleigh()
-    with kept.solving(scene, timings) as (system, body):
-        load_steps = LoadSteps(Newton(system.problem, system, timings))
-        load_steps.finds_body = False
+    with kept.stepping(scene, timings) as (load_steps, system):
         load_steps.solve()
         damping = float(rayleigh.mass), float(rayleigh.stiffness)
-        return sliding_modes(system, body, asked.number, damping)
+        return sliding_modes(system, system.body, asked.number, damping)
 
 
 def _grows(mode: ComplexMode) -> bool:

@@ -16,12 +16,10 @@ from fenics_contact.simulation.studies.changes import with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.vibration.driven_modes import DrivenMode
 from fenics_contact.simulation.vibration.stuck_modes import mode_records, stuck_modes
-from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.modes.eigenmodes import Mode
-from fenics_contact.solve.newton.newton import Newton
 
 logger = logging.getLogger(__name__)
 
@@ -106,24 +104,20 @@ def _vibration(kept: KeptBody, scene: Scene) -> Vibration:
     """Of a scene with one set of values; collective."""
     assert scene.modes is not None
     timings = Timings()
-    with kept.solving(scene, timings) as (system, body):
-        newton = Newton(system.problem, system, timings)
-        load_steps = LoadSteps(newton)
-        load_steps.finds_body = False
+    with kept.stepping(scene, timings) as (load_steps, system):
         load_steps.solve()
         begin = load_steps.last
         assert begin is not None
         load_steps.go_on_from(begin, begin.unknowns.time)
-        shapes = stuck_modes(system, body, scene.modes.number)
+        shapes = stuck_modes(system, system.body, scene.modes.number)
         load_steps.go_on_from(begin, begin.unknowns.time)
-        found, notes = _damped(newton, system, body, begin, shapes)
+        found, notes = _damped(load_steps, system, begin, shapes)
         return Vibration(mode_records(shapes), shapes, found, notes)
 
 
 def _damped(
-    newton: Newton,
+    load_steps: LoadSteps,
     system: CondensedSystem,
-    body: CondensedBody,
     begin: AcceptedStep,
     shapes: Sequence[Mode],
 ) -> tuple[list[DampingRecord], list[str]]:
@@ -133,7 +127,7 @@ def _damped(
     notes: list[str] = []
     for number in () if asked is None else asked.modes:
         assert asked is not None
-        driven = DrivenMode(newton, system, body, begin, shapes[number - 1], number, asked)
+        driven = DrivenMode(load_steps, system, begin, shapes[number - 1], number, asked)
         for amplitude in asked.amplitudes:
             try:
                 rows.append(driven.driven(float(amplitude)))

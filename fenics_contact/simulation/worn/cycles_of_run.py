@@ -35,7 +35,6 @@ class CyclesOfRun:
         scene: Whose cycles have jumps.
         history: To which those that are computed are added.
         counted: Called when one has been added.
-        keep: Called after that with what is to be kept, when the cycle can be gone back to.
     """
 
     def __init__(
@@ -43,11 +42,10 @@ class CyclesOfRun:
         scene: Scene,
         history: CycleHistory,
         counted: Callable[[], None],
-        keep: Callable[[LoadSteps, Beside], None],
     ) -> None:
         assert scene.cycles is not None and scene.cycles.jumps is not None
         self._cycles, self._jumps = scene.cycles, scene.cycles.jumps
-        self._history, self._counted, self._keep = history, counted, keep
+        self._history, self._counted = history, counted
         self._progress: Progress | None = None
 
     def resume(self, load_steps: LoadSteps, saved: SavedRun) -> Solution:
@@ -65,14 +63,13 @@ class CyclesOfRun:
         self._progress = _progress(solution, load_steps.last, saved.beside)
         return with_depths(load_steps.problem.contacts, self._progress.rates)
 
-    def drive(self, load_steps: LoadSteps) -> Solution:
+    def drive(self, load_steps: LoadSteps, keep: Callable[[Beside], None]) -> None:
         """Compute cycles, and pass over others, to the last one; collective.
 
         Args:
             load_steps: Of the run.
-
-        Returns:
-            The end of the last cycle.
+            keep: Called when a cycle has been added, with what another run needs besides its last
+                load step to go on from there; not within a cycle, of which none can go on.
 
         Raises:
             NotConvergedError: A load step of a cycle.
@@ -86,9 +83,7 @@ class CyclesOfRun:
             end = repetition.begin + cycle.number * repetition.period
             self._history.add_cycle(end, solution, cycle)
             self._counted()
-            self._keep(load_steps, _beside(worn.progress))
-        assert self._history.solution is not None
-        return self._history.solution
+            keep(_beside(worn.progress))
 
     def budget(self, load_steps: LoadSteps, steps: Sequence[StepRecord]) -> ErrorBudget:
         """Estimated errors of the last cycle: none, and why, where the scene asks for some.

@@ -29,8 +29,8 @@ from fenics_contact.simulation.worn.rates import Progress, Rates
 from fenics_contact.simulation.worn.sticking import Sticking
 from fenics_contact.simulation.worn.worn_cycle import SETTLING, WornCycle
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.load_steps.step_control import FixedPace
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.linear_theory.worn_width import worn_share
 
@@ -44,7 +44,7 @@ _AIM, _TOO_FAR = 0.8, 1.25
 _MANY = 50
 
 
-class WornCycles:
+class WornCycles(StepListener):
     """The cycles of a scene whose contacts wear; collective, as all its methods.
 
     Attributes:
@@ -67,8 +67,6 @@ class WornCycles:
     ) -> None:
         self._load_steps, self._problem = load_steps, load_steps.problem
         self._contacts, self._comm = self._problem.contacts, self._problem.comm
-        load_steps.accepted = self._add
-        load_steps.finds_body = False
         times = np.array(self._problem.scene.steps.all_times)
         self._period = float(times[-1] - begin)
         self._close = SETTLING * self._period
@@ -130,12 +128,11 @@ class WornCycles:
     def _back_to(self, end: AcceptedStep, number: int) -> None:
         """To the end of the last cycle that counts, from a later one; collective."""
         self._load_steps.tried += (number - 1) * self._period
-        self._load_steps.last = end
-        self._load_steps.go_back()
+        self._load_steps.go_back_to(end)
 
     def _first(self) -> Rates:
         """The way to the first cycle, and that cycle."""
-        solution = self._load_steps.solve()
+        solution = self._load_steps.solve(self)
         self.computed = 1
         return self._rates_of(1, solution)
 
@@ -148,9 +145,8 @@ class WornCycles:
             begin: The depths, of each contact (length).
         """
         load_steps = self._load_steps
-        load_steps.go_on_from(end, self._begin - self._close, begin)
-        load_steps.pace = FixedPace(self._times)
-        solution = load_steps.solve()
+        load_steps.go_on_from(end, self._begin - self._close, begin, self._times)
+        solution = load_steps.solve(self)
         self.computed += 1
         return self._rates_of(number, solution, begin)
 
@@ -177,16 +173,16 @@ class WornCycles:
             end=end,
         )
 
-    def _add(self, time: float, solution: Solution) -> None:
-        """A load step is accepted: what comes before a cycle is of none.
+    def accepted(self, step: AcceptedStep) -> None:
+        """Follow a load step; what comes before a cycle is of none; collective.
 
         That is the way to the first one, and the slip by which what was worn takes effect.
         """
-        if abs(time - self._begin) <= self._close:
-            self._settled = self._worn(solution)
+        if abs(step.time - self._begin) <= self._close:
+            self._settled = self._worn(step.solution)
             self._sticking = Sticking(self._contacts)
-        elif time > self._begin:
-            self._sticking.follow(solution)
+        elif step.time > self._begin:
+            self._sticking.follow(step.solution)
 
     def _worn(self, solution: Solution | None) -> tuple[list[Array], Array]:
         """Depths of each contact at the end of a step (length), and its work of friction (energy).

@@ -85,6 +85,11 @@ class AcceptedStep:
     solution: Solution
     before: Unknowns | None
 
+    @property
+    def time(self) -> float:
+        """Its pseudo-time."""
+        return self.unknowns.time
+
 
 @dataclass(frozen=True, eq=False)
 class StepEnd:
@@ -134,11 +139,13 @@ class StepEnd:
         newton.begin.at(position, scalars)
 
 
-def contact_change(problem: Problem, before: Solution, found: Solution) -> float:
+def contact_change(problem: Problem, before: AcceptedStep | None, found: Solution) -> float:
     """Area that opened, closed, or began or ceased to stick, over that in contact; collective."""
+    if before is None:
+        return 0.0
     touching = np.zeros(2)
     changed = sticking = 0.0
-    states = zip(problem.contacts, before.states, found.states, strict=True)
+    states = zip(problem.contacts, before.solution.states, found.states, strict=True)
     for contact, old, new in states:
         closed = [state.contact_pressure > 0 for state in (old, new)]
         sticks = [state.status == STICK for state in (old, new)]

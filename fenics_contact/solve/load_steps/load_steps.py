@@ -24,6 +24,7 @@ from fenics_contact.solve.load_steps.accepted_step import (
 )
 from fenics_contact.solve.load_steps.beside import Beside
 from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
+from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.resting_place import RestingPlace
 from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
 from fenics_contact.solve.newton.newton import Newton
@@ -32,6 +33,8 @@ from fenics_contact.solve.newton.tightening import let_go
 
 logger = logging.getLogger(__name__)
 
+# Solves a load step from that of another answer; None where that tells nothing of it.
+Warm = Callable[[Newton], Solution | None]
 # Force imbalances that differ by less than this share, and would be chance otherwise, are the same.
 _SAME_END = 1e-4
 
@@ -43,49 +46,55 @@ class LoadSteps(RestingPlace):
         pace: Which step comes next.
         tried: Pseudo-time of the step that was tried last.
         spent: Newton steps of tries since the last accepted step, which were all rejected.
-        guess: Where the first step is thought to end, if that is known.
-        warm: Solves a step from that of another answer of the same body, or gives None where that
-            tells nothing of it; None where there is none, or it did not get there; collective.
-        accepted: Called with pseudo-time and solution of every step, before slip is counted anew.
-        warm_steps: How many it solved.
-        finds_body: Whether the displacement inside the body is found at the end; else when it is
-            asked for.
+        warm_steps: How many were solved from those of another answer.
         ends: Pseudo-time → where that step ended; None where they are not kept.
         seconds_unkept: For so long the state need not be written; 0: that of every step is.
 
     Args:
         newton: Made for the problem, not started.
-        accepted: As the attribute.
-        kept: Called after that, when the step can be gone back to.
+        finds_body: Whether the displacement inside the body is found at the end; else when it is
+            asked for.
     """
 
     seconds_unkept: ClassVar[float] = 0.0
 
-    def __init__(
-        self,
-        newton: Newton,
-        accepted: Callable[[float, Solution], None] | None = None,
-        kept: Callable[[LoadSteps], None] | None = None,
-    ) -> None:
+    def __init__(self, newton: Newton, finds_body: bool = True) -> None:
         super().__init__(newton)
         scene = self.problem.scene
         self._knots = knots(scene)
         self.pace: Pace | PaceOfCycles = pace_of(scene, self._knots)
         cycles = cycles_of(scene)
         self._cycles = None if cycles is None else CycleWatch(self.problem, cycles)
-        self.accepted, self._kept = accepted, kept
+        self._listeners: tuple[StepListener, ...] = ()
         self._first: list[ContactMemory] = []
         self._failed_with: float | None = None
         self.tried = 0.0
         self.spent = 0
-        self.guess: Unknowns | None = None
-        self.warm: Callable[[Newton], Solution | None] | None = None
+        self._guess: Unknowns | None = None
+        self._warm: Warm | None = None
         self.warm_steps = 0
-        self.finds_body = True
+        self._finds_body = finds_body
         self.ends: dict[float, StepEnd] | None = None
 
-    def solve(self) -> Solution:
+    def begin_near(self, guess: Unknowns | None = None, warm: Warm | None = None) -> None:
+        """Say where load steps are thought to end; else each begins at the end of the last one.
+
+        Args:
+            guess: Of the first one.
+            warm: Solves a step from that of another answer of the same body, or gives None where
+                that tells nothing of it; collective. It is left where it did not get there.
+        """
+        self._guess, self._warm = guess, warm
+
+    def keep_ends(self) -> None:
+        """Keep where each load step ends."""
+        self.ends = {}
+
+    def solve(self, *listeners: StepListener) -> Solution:
         """Take the steps that are left; collective.
+
+        Args:
+            *listeners: Are told of each of them.
 
         Returns:
             The solution of the last one.
@@ -95,6 +104,7 @@ class LoadSteps(RestingPlace):
                 problem is as after the last accepted step.
             StoppedError: Likewise.
         """
+        self._listeners = listeners
         try:
             while (time := self.pace.next(self.time)) is not None:
                 self.newton.require_going_on()
@@ -104,8 +114,10 @@ class LoadSteps(RestingPlace):
         except (NotConvergedError, StoppedError):
             self.go_back()
             raise
+        finally:
+            self._listeners = ()  # they may refer to these: a circle
         assert self.last is not None  # there is a step, or one was resumed
-        if self.finds_body:  # whoever reads it later may no longer have the solver
+        if self._finds_body:  # whoever reads it later may no longer have the solver
             self.last.solution.find_body()
         return self.last.solution
 
@@ -145,16 +157,24 @@ class LoadSteps(RestingPlace):
         self.go_back()
         return solution
 
-    def go_on_from(self, step: AcceptedStep, time: float, worn: Sequence[Array] = ()) -> None:
+    def go_on_from(
+        self,
+        step: AcceptedStep,
+        time: float,
+        worn: Sequence[Array] = (),
+        steps: Steps | None = None,
+    ) -> None:
         """Go on from a load step as at another pseudo-time, and worn otherwise; collective.
 
         Args:
             step: That was accepted.
             time: At which loads are about the same.
             worn: Depths of each contact, (points,) (length); by default what they are.
+            steps: Those that follow, listed; by default as they would have followed.
         """
-        self.last = step
-        self.go_back()
+        if steps is not None:
+            self.pace = FixedPace(steps)
+        self.go_back_to(step)
         self._move_on(step)
         for contact, depth in zip(self.problem.contacts, worn, strict=bool(worn)):
             contact.wear.recall({"worn_depth": depth})
@@ -184,13 +204,20 @@ class LoadSteps(RestingPlace):
         self._cycles = CycleWatch(self.problem, cycles)
         steps = Steps(times=tuple(rest + size * (number + 1) for number in range(count)))
         self.pace = PaceOfCycles(FixedPace(steps), cycles)
-        self._failed_with = None
+        self._failed_with, self.spent = None, 0
 
-    def afresh(self, times: Sequence[float]) -> LoadSteps:
+    def afresh(
+        self,
+        times: Sequence[float],
+        warm: Warm | None = None,
+        ends: dict[float, StepEnd] | None = None,
+    ) -> LoadSteps:
         """Other load steps over the same system, from the start; collective.
 
         Args:
             times: Pseudo-times of its steps, increasing.
+            warm: As of ``begin_near``.
+            ends: To which is added where each of them ends.
 
         Returns:
             Those load steps, with the first step's ε to begin with, where this one took that step.
@@ -203,7 +230,7 @@ class LoadSteps(RestingPlace):
             contact.friction.regularisation.recall(*scale)
         other = LoadSteps(self.newton)
         other.pace = FixedPace(Steps(times=tuple(times)))
-        other._cycles = None
+        other._cycles, other._warm, other.ends = None, warm, ends
         return other
 
     def _take(self, time: float) -> None:
@@ -217,9 +244,7 @@ class LoadSteps(RestingPlace):
             logger.info("time %g: %s; a smaller step", time, error)
             self.go_back()
             return
-        change = (
-            0.0 if self.last is None else contact_change(self.problem, self.last.solution, found)
-        )
+        change = contact_change(self.problem, self.last, found)
         if self.pace.exceeds(change) and self.pace.cut():
             logger.info("time %g: contact changes by %.0f %%; a smaller step", time, 100 * change)
             self.spent += found.newton_iterations
@@ -231,8 +256,8 @@ class LoadSteps(RestingPlace):
             self.pace.closed()
         self._accept(time, dataclasses.replace(found, newton_iterations=every, cycle=cycle))
         self.pace.went(found.newton_iterations, change)
-        if self._kept is not None:
-            self._kept(self)
+        for listener in self._listeners:
+            listener.completed()
 
     def _fails_again(self, error: NotConvergedError) -> bool:
         """Whether a smaller step failed with the same force imbalance: its size is not the cause.
@@ -248,7 +273,7 @@ class LoadSteps(RestingPlace):
     def _try(self, time: float) -> Solution:
         """Solve a step, from where it is thought to end or else from where it begins."""
         newton = self.newton
-        found = None if self.warm is None else self._from_another_answer(time, self.warm)
+        found = None if self._warm is None else self._from_another_answer(time, self._warm)
         if found is not None:
             return found
         predicted = self._prediction(time)
@@ -264,9 +289,7 @@ class LoadSteps(RestingPlace):
         self._begin(time, None)
         return self._solve()
 
-    def _from_another_answer(
-        self, time: float, warm: Callable[[Newton], Solution | None]
-    ) -> Solution | None:
+    def _from_another_answer(self, time: float, warm: Warm) -> Solution | None:
         """A step as ``warm`` solves it; None, and back at its start, where it does not."""
         problem = self.problem
         if self.last is not None:
@@ -281,7 +304,7 @@ class LoadSteps(RestingPlace):
             logger.debug("  from another answer: %s; next: from the start", error)
             found = None
         if found is None:
-            self.warm = None
+            self._warm = None
             self.go_back()
         else:
             self.warm_steps += 1
@@ -299,7 +322,7 @@ class LoadSteps(RestingPlace):
         nearer to its end without it.
         """
         if self.last is None:
-            return self.guess
+            return self._guess
         if not all(contact.friction.follows_path for contact in self.problem.coulomb):
             return None
         if self.last.before is None:
@@ -332,5 +355,5 @@ class LoadSteps(RestingPlace):
         self._has_moved_on = False
         self._failed_with = None
         self.spent = 0
-        if self.accepted is not None:
-            self.accepted(time, found)
+        for listener in self._listeners:
+            listener.accepted(self.last)

@@ -99,6 +99,11 @@ class RestingPlace:
         for contact in problem.contacts:  # also of those that exert no forces
             contact.kinematics.move(contact.kinematics.relative(unknowns.displacement))
 
+    def go_back_to(self, step: AcceptedStep) -> None:
+        """To a load step that was accepted, from a later one; collective."""
+        self.last = step
+        self.go_back()
+
     def _recall(self, memories: list[ContactMemory]) -> None:
         """Take the contacts back to what is kept of them, and their pairing; collective."""
         pairs = list(zip(self.problem.contacts, memories, strict=True))

@@ -17,7 +17,7 @@ from fenics_contact.problem.inertia.sliding import elastic_slip
 from fenics_contact.problem.inertia.states import FirstState
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.steps import Steps
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import solve
 from fenics_contact.solve.newton.solution import Solution
 
 _KEY = "motion.start = 'static'"

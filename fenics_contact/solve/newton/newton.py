@@ -74,11 +74,22 @@ class Newton:
         begin: Where the next solve begins.
         softened: Whether the last solve took softer penalties first: its start is a bad one.
         limit: Imbalance that the last solve accepted as converged (force).
-        stopped: Whether this rank was asked to stop; asked before every Newton step.
         budget: How many more steps are allowed, if that is bounded.
+
+    Args:
+        problem: The problem.
+        system: Its unknowns and their balance.
+        timings: Seconds so far.
+        stopped: Whether this rank was asked to stop; asked before every Newton step.
     """
 
-    def __init__(self, problem: Problem, system: System, timings: Timings) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        system: System,
+        timings: Timings,
+        stopped: Callable[[], bool] | None = None,
+    ) -> None:
         self.problem = problem
         self.system = system
         self.timings = timings
@@ -92,7 +103,7 @@ class Newton:
         self._chatter = Chatter(problem.contacts, problem.comm)
         self._damping = Damping()
         self._springs: SpringControl | None = None
-        self.stopped: Callable[[], bool] = lambda: False
+        self._stopped = stopped or (lambda: False)
         self._is_stopped = False
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
         self._tolerance = problem.scene.solver.tolerance
@@ -265,7 +276,7 @@ class Newton:
 
     def _ask_to_stop(self) -> bool:
         """Whether any rank was asked to stop; collective."""
-        self._is_stopped = bool(self.comm.allreduce(int(self.stopped())))
+        self._is_stopped = bool(self.comm.allreduce(int(self._stopped())))
         return self._is_stopped
 
     def save(self) -> Array:

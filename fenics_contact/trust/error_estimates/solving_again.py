@@ -18,7 +18,8 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.table import QuantityValue
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import StepEnd
-from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.load_steps.listener import AtEachStep
+from fenics_contact.solve.load_steps.load_steps import LoadSteps, Warm
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 
@@ -197,7 +198,7 @@ def steps_again(
     measure: Measure,
     times: Sequence[float],
     change: Change | None = None,
-    near: Callable[[Newton], Solution | None] | None = None,
+    near: Warm | None = None,
     ends: dict[float, StepEnd] | None = None,
     visit: Visit | None = None,
 ) -> Quantities | None:
@@ -208,7 +209,7 @@ def steps_again(
         measure: As of ``last_step_again``.
         times: Pseudo-times of the steps, increasing.
         change: As of ``last_step_again``, called in the state of the start.
-        near: Solves a step from an answer near by, as ``LoadSteps.warm``.
+        near: Solves a step from an answer near by, as of ``LoadSteps.begin_near``.
         ends: Where the ends of the steps are to be kept, if they are.
         visit: Called at the end of each step.
 
@@ -218,11 +219,10 @@ def steps_again(
     system = load_steps.newton.system
     earlier, system.earlier_forces = system.earlier_forces, 0.0
     try:
-        again = load_steps.afresh(times)
-        again.warm, again.ends, again.accepted = near, ends, visit
+        again = load_steps.afresh(times, near, ends)
         if change is not None:
             change(load_steps.problem)
-        return measure(again.solve())
+        return measure(again.solve(*([] if visit is None else [AtEachStep(visit)])))
     except (NotConvergedError, InputError) as error:  # a load's function may know no other times
         logger.debug("  the load steps again: %s", error)
         return None

@@ -254,7 +254,7 @@ def test_eccentric_force_against_an_independent_minimisation():
 
 def test_several_free_modes_solve_close_to_the_limit():
     problem = torsion_pad(0.97 * LIMIT_TORQUE, cells=4)
-    from fenics_contact.solve.load_steps.solve import solve
+    from fenics_contact.solve.load_steps.load_stepper import solve
 
     require_equilibrium(problem)
     solution = solve(problem)

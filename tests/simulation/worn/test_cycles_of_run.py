@@ -133,6 +133,24 @@ def test_one_that_was_stopped_goes_on(whole, tmp_path):
     assert more.quantities["worn_volume"] > found.quantities["worn_volume"]
 
 
+def test_one_that_was_stopped_within_a_cycle_goes_on_from_the_cycle_before(whole, tmp_path):
+    """A state within a cycle says nothing of the cycles before, so none is kept."""
+    expected, folder = whole[0], COMM.bcast(tmp_path)
+    prepared, done, asked = Run(scene(), COMM, body()), [], []
+
+    def stopped():
+        asked.extend([None] * (len(done) == 2))
+        return len(asked) > 12  # Newton steps of the third cycle
+
+    state = StateFile(folder, prepared.problem, prepared.scene)
+    calls = {"stopped": stopped, "announce": lambda number, step: done.append(step)}
+    assert solve_and_write(prepared, folder, state, None, **calls).interrupted
+    found = ran(folder, scene())
+    assert [one.number for one in found.cycles.each] == [one.number for one in expected.cycles.each]
+    for name in ("worn_volume", "max_wear_depth", "friction_work", "normal_force"):
+        assert found.quantities[name] == pytest.approx(expected.quantities[name], rel=1e-7), name
+
+
 def _spoil(path):
     lines = path.read_text().splitlines(keepends=True)
     path.write_text("".join([*lines, lines[-1].replace("2,", "7,", 1), "9,1"]))

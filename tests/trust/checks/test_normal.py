@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Obstacle, Run, Scene, Support
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import solve
 from tests.scenes import box_body
 from tests.trust.checks.test_run_checks import checks_of, failed
 from tests.wrong_answers import with_body

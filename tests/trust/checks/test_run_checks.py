@@ -20,7 +20,7 @@ from fenics_contact import (
 from fenics_contact.contact.state import OPEN
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.simulation import verdict
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import solve
 from fenics_contact.trust.checks.friction import compared_friction, dissipation
 from fenics_contact.trust.checks.run_checks import run_checks
 from tests.scenes import box_body, slab

@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from fenics_contact import Run
 from fenics_contact.problem.drive import Disturbance
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.trust.error_estimates import measured as module
 from fenics_contact.trust.error_estimates.measured import Measured
 from fenics_contact.trust.error_estimates.solving_again import last_step_again
@@ -43,7 +43,9 @@ def both(name):
                 changed = last_step_again(load_steps, measured, disturb)
             found.append((answer, changed))
 
-    solve(problem, ended=measure)
+    with stepping(problem) as load_steps:
+        load_steps.solve()
+        measure(load_steps)
     return found
 
 

@@ -6,8 +6,8 @@ import pytest
 from fenics_contact import Contact, Discretisation, Material, Obstacle, Run, Scene, Support
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.load_steps.solve import solve
 from fenics_contact.trust.error_estimates.solving_again import AlongLine, last_step_again
 from tests.scenes import box_body, with_solver
 from tests.simulation.sensitivities.scenes import SPHERE
@@ -49,7 +49,9 @@ def test_answers_along_a_line_are_those_from_the_last_step_in_fewer_steps():
                 steps.append(total)
             found.append(pair)
 
-    solve(problem, ended=answers)
+    with stepping(problem) as load_steps:
+        load_steps.solve()
+        answers(load_steps)
     for alone, along in found:
         for name in ("normal_force", "contact_area", "stick_area", "max_slip"):
             assert along[name] == pytest.approx(alone[name], rel=1e-7)
@@ -79,7 +81,9 @@ def test_answers_that_are_roughly_known_tell_what_a_change_does_in_fewer_steps(s
         for roughly in (False, True):
             found.append(last_step_again(load_steps, measure, change, roughly=roughly))
 
-    solve(problem, ended=answers)
+    with stepping(problem) as load_steps:
+        load_steps.solve()
+        answers(load_steps)
     answer, exact, rough = found
     for name in ("normal_force", "friction_force", "max_slip", "penalty_energy"):
         change = np.linalg.norm(np.subtract(exact[name], answer[name]))

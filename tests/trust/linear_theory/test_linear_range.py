@@ -26,7 +26,7 @@ from fenics_contact import (
 from fenics_contact.cli.summary import print_result
 from fenics_contact.report.page.tables import checks_table
 from fenics_contact.results.check_messages import failure
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import solve
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 from fenics_contact.trust.linear_theory.zones import TURNED, Zone, exceeded
 from tests.scenes import ROOT, box_body, slab

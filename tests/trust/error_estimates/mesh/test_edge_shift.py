@@ -11,7 +11,7 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.trust.error_estimates.mesh import edge_shift
 from fenics_contact.trust.error_estimates.mesh.edge_shift import (
     edges_inside,
@@ -99,9 +99,9 @@ def with_load_steps(look, cells, comm=COMM, model=floor, **changes):
     """What a function finds of load steps at their end, with areas as the measure."""
     scene, body = model(cells, comm, **changes)
     problem = Problem(scene, DiscreteBody(BodyDescription.of(scene), body))
-    found = []
-    solve(problem, ended=lambda load_steps: found.append(look(load_steps, areas(problem))))
-    return found[0]
+    with stepping(problem) as load_steps:
+        load_steps.solve()
+        return look(load_steps, areas(problem))
 
 
 def areas(problem):

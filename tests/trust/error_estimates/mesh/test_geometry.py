@@ -30,8 +30,7 @@ from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.curved_sides import CurvedSides
 from fenics_contact.scene.obstacle import Obstacle
-from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.load_steps.solve import solve
+from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import ROOT, box_body, with_solver
@@ -148,16 +147,15 @@ def half_disc(order):
 
 def test_straight_facets_of_a_disc_differ_from_curved_ones_by_the_estimate():
     """One mesh, with straight cells and with curved ones: what they are apart is the geometry's."""
-    prepared, found = Run(half_disc(1), COMM), {}
+    prepared = Run(half_disc(1), COMM)
 
     def measure(solution):
         values = contact_quantities(prepared.problem, solution, 0)
         return {name: values[name] for name in ("normal_force", "contact_area")}
 
-    def estimate(load_steps: LoadSteps) -> None:
-        found.update(geometry_errors(load_steps, measure))
-
-    solve(prepared.problem, prepared.timings, lambda *_: None, prepared.choice, ended=estimate)
+    with stepping(prepared.problem, prepared.timings, prepared.choice) as load_steps:
+        load_steps.solve()
+        found = geometry_errors(load_steps, measure)
     straight = run(half_disc(1), COMM)
     curved = run(with_solver(half_disc(2), errors="none"), COMM)
     force = [result.quantities["normal_force"] for result in (straight, curved)]

@@ -1,4 +1,4 @@
-"""A run's way through its load steps: what is counted, kept and told at each, and at their end."""
+"""The load steps of a run: what is recorded, kept and told at each of them, and at their end."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
-from fenics_contact.solve.load_steps.accepted_step import Unknowns
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.load_steps.beside import Beside
+from fenics_contact.solve.load_steps.listener import StepListener
+from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.load_steps.solve import solve
-from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import Condense, SolverChoice
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget, unknown_budget
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
@@ -65,7 +65,7 @@ class EndOfRun:
 
 
 @dataclass(frozen=True)
-class Onlookers:
+class RunListeners:
     """Who is told on the way, and who may end it.
 
     Attributes:
@@ -85,14 +85,14 @@ class Onlookers:
     at_end: AtEnd | None = None
 
 
-class WayThrough:
-    """Takes a model through its load steps, once; collective.
+class StepsOfRun(StepListener):
+    """Takes a model through its load steps, once, and records them; collective.
 
     Args:
         scene: What is solved; where cycles are passed over, its model is of one of them.
         history: To which they are added.
         timings: To which what it takes is counted.
-        onlookers: Who is told.
+        listeners: Who is told.
         state: Where to keep the state of every accepted load step.
         saved: The state of another run, to go on from.
         guess: Where the first load step is thought to end.
@@ -107,18 +107,17 @@ class WayThrough:
         scene: Scene,
         history: StepHistory[Any],
         timings: Timings,
-        onlookers: Onlookers,
+        listeners: RunListeners,
         state: StateFile | None = None,
         saved: SavedRun | None = None,
         guess: Unknowns | None = None,
     ) -> None:
         self._scene, self._history, self._timings = scene, history, timings
-        self._onlookers = onlookers
+        self._listeners = listeners
         self._state, self._saved, self._guess = state, saved, guess
         self._cycles: CyclesOfRun | None = None
         self._end = EndOfRun()
         self.tried, self.spent = 0.0, 0
-        self._kept_at, self._unkept = -inf, False
 
     def take(
         self, problem: Problem, choice: SolverChoice, condense: Condense | None, end: EndOfRun
@@ -136,32 +135,35 @@ class WayThrough:
             StoppedError: Somebody asked to stop.
         """
         self._end = end
-        drive: Callable[[LoadSteps], Solution] = LoadSteps.solve
         if isinstance(self._history, CycleHistory):
-            self._cycles = CyclesOfRun(self._scene, self._history, self._tell, self._keep)
-            drive = self._cycles.drive
-        drive = partial(self._kept_where_it_stops, drive)
-        # Not this object's own: load steps refer to it, and would not be freed at once.
-        begun: list[LoadSteps] = []
+            self._cycles = CyclesOfRun(self._scene, self._history, self._tell)
+        parts = (self._timings, choice, condense, self._listeners.stopped, self._cycles is None)
+        with stepping(problem, *parts) as load_steps:
+            try:
+                self._begin(load_steps)
+                self._drive(load_steps)
+            finally:
+                self.tried, self.spent = load_steps.tried, load_steps.spent
+            self._finish(load_steps)
 
-        def begin(load_steps: LoadSteps) -> None:
-            begun.append(load_steps)
-            self._begin(load_steps)
-
-        stopped = self._onlookers.stopped
-        calls = (begin, self._keep, stopped, self._finish, condense)
+    def _drive(self, load_steps: LoadSteps) -> None:
+        """Take load steps; those who do not reach the end can go on from where they are."""
+        keeper = _StateKeeper(load_steps, self._history, self._timings, self._state)
         try:
-            solve(problem, self._timings, self._record, choice, *calls, drive)
-        finally:
-            if begun:
-                self.tried, self.spent = begun[0].tried, begun[0].spent
+            if self._cycles is None:
+                load_steps.solve(self, keeper)
+            else:
+                self._cycles.drive(load_steps, keeper.keep)
+        except (NotConvergedError, StoppedError):
+            keeper.make_up()
+            raise
 
     def _begin(self, load_steps: LoadSteps) -> None:
         """Before the first step, which may be one to resume from."""
         repeats = load_steps.newton.system.repeats_cheaply and self._cycles is None
         if self._scene.solver.errors != "none" and repeats:
-            load_steps.ends = {}
-        load_steps.guess = self._guess
+            load_steps.keep_ends()
+        load_steps.begin_near(self._guess)
         saved = self._saved
         if saved is None:
             return
@@ -171,42 +173,16 @@ class WayThrough:
             solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.beside)
         self._history.resume(solution, saved.energy)
 
-    def _record(self, time: float, solution: Solution) -> None:
-        """Of a load step that was accepted."""
-        self._history.add(time, solution)
+    def accepted(self, step: AcceptedStep) -> None:
+        """Record a load step, and tell of it; collective."""
+        self._history.add(step.time, step.solution)
         self._tell()
 
     def _tell(self) -> None:
         steps = self._history.steps
-        self._onlookers.announce(len(steps), steps[-1])
-        if self._onlookers.accepted is not None:
-            self._onlookers.accepted()
-
-    def _keep(self, load_steps: LoadSteps, beside: Beside | None = None) -> None:
-        """The state of a load step that can be gone back to, where it is time to; collective."""
-        if self._state is None:
-            return
-        is_last = load_steps.pace.next(load_steps.time) is None
-        now = from_root(load_steps.problem.comm, monotonic())
-        self._unkept = not is_last and now < self._kept_at + load_steps.seconds_unkept
-        if not self._unkept:
-            self._write(self._state, load_steps, beside or load_steps.beside)
-            self._kept_at = now
-
-    def _write(self, state: StateFile, load_steps: LoadSteps, beside: Beside) -> None:
-        with self._timings.phase("output"):
-            state.save(load_steps, self._history.steps, self._history.sums, beside)
-
-    def _kept_where_it_stops(
-        self, drive: Callable[[LoadSteps], Solution], load_steps: LoadSteps
-    ) -> Solution:
-        """Take load steps; those who do not reach the end can go on from where they are."""
-        try:
-            return drive(load_steps)
-        except (NotConvergedError, StoppedError):
-            if self._unkept and self._state is not None:
-                self._write(self._state, load_steps, load_steps.beside)
-            raise
+        self._listeners.announce(len(steps), steps[-1])
+        if self._listeners.accepted is not None:
+            self._listeners.accepted()
 
     def _finish(self, load_steps: LoadSteps) -> None:
         """After the last step, while the system can still be solved."""
@@ -214,8 +190,8 @@ class WayThrough:
         end.last = None if load_steps.last is None else load_steps.last.unknowns
         end.checks = history.checks()  # before other answers move the contacts about
         end.budget = unknown_budget(self._scene, history.steps[-1])
-        if self._onlookers.answered is not None:
-            self._onlookers.answered()
+        if self._listeners.answered is not None:
+            self._listeners.answered()
         try:
             with silently():
                 self._judge(load_steps)
@@ -245,10 +221,60 @@ class WayThrough:
             end.budget = replace(found, notes=[*found.notes, *notes])
             if notes:
                 restore(load_steps)
-            at_end = self._onlookers.at_end
+            at_end = self._listeners.at_end
             if at_end is not None:
                 tell = partial(at_end, load_steps, end.budget.local)
                 attempt(comm, "Cells were not weighed for the accuracy", tell, None, end.notes)
+
+
+class _StateKeeper(StepListener):
+    """Writes the state of load steps to a file, from which another run can go on.
+
+    Args:
+        load_steps: Those that are taken.
+        history: Theirs.
+        timings: To which what it takes is counted.
+        state: The file; None where nothing is kept.
+    """
+
+    def __init__(
+        self,
+        load_steps: LoadSteps,
+        history: StepHistory[Any],
+        timings: Timings,
+        state: StateFile | None,
+    ) -> None:
+        self._load_steps, self._history, self._timings = load_steps, history, timings
+        self._state = state
+        self._kept_at, self._unkept = -inf, False
+
+    def completed(self) -> None:
+        """Write the state of the last load step, where it is time to; collective."""
+        load_steps = self._load_steps
+        if self._state is None:
+            return
+        is_last = load_steps.pace.next(load_steps.time) is None
+        now = from_root(load_steps.problem.comm, monotonic())
+        self._unkept = not is_last and now < self._kept_at + load_steps.seconds_unkept
+        if not self._unkept:
+            self.keep(load_steps.beside)
+            self._kept_at = now
+
+    def make_up(self) -> None:
+        """Write the state of the last load step, if it was not time to before; collective."""
+        if self._unkept:
+            self.keep(self._load_steps.beside)
+
+    def keep(self, beside: Beside) -> None:
+        """Write the state of the last load step; collective.
+
+        Args:
+            beside: What another run needs besides it.
+        """
+        if self._state is None:
+            return
+        with self._timings.phase("output"):
+            self._state.save(self._load_steps, self._history.steps, self._history.sums, beside)
 
 
 def by_default(scene: Scene) -> Announce:
