@@ -26,7 +26,7 @@ class ByPressure(FrictionRule):
         return named(self._table.pressures, self._table.shares)
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of the table's numbers in themselves, too."""
+        """Slopes of the coefficient, and of the table's numbers in themselves."""
         return super().field_slopes(key, unit) or names_of(
             key, "pressures", np.ones_like(self.coefficient)
         )

@@ -48,7 +48,7 @@ class BySlip(FrictionRule):
         return {**super()._values, "slip_so_far": self._slid}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of the table's numbers in themselves, too."""
+        """Slopes of the coefficient, and of the table's numbers in themselves."""
         return super().field_slopes(key, unit) or names_of(
             key, "slips", np.ones_like(self.coefficient)
         )
@@ -71,7 +71,7 @@ class BySlip(FrictionRule):
     def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
-        """The step's part along its slip, and all of it to the slip before."""
+        """Transposed derivative of ``at_step_end``, in the slip of the step and in that before."""
         of_way = np.where(closed, of_end["slip_so_far"], 0.0)
         size = np.linalg.norm(slip, axis=1)
         direction = slip / np.where(size > 0, size, 1.0)[:, None]

@@ -46,7 +46,7 @@ class SlipMetric:
         return vectors
 
     def at_each(self, vectors: Array) -> Array:
-        """The same of several vectors at each point, (points, components, vectors)."""
+        """M times several vectors at each point, (points, components, vectors)."""
         return vectors
 
     def carried(self, tractions: Array) -> Array:
@@ -108,11 +108,11 @@ class OwnMetric(SlipMetric):
         self.fields, self._like = fields, slips
 
     def at(self, vectors: Array) -> Array:
-        """As ``felt`` says it."""
+        """M times vectors along the surface at the points, (points, components)."""
         return np.asarray(np.einsum("pij,pj->pi", self.matrices, vectors))
 
     def at_each(self, vectors: Array) -> Array:
-        """Likewise."""
+        """M times several vectors at each point, (points, components, vectors)."""
         return np.asarray(self.matrices @ vectors)
 
     def carried(self, tractions: Array) -> Array:

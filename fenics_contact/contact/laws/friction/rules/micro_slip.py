@@ -48,7 +48,7 @@ class MicroSlip(Coulomb):
         return self._carried
 
     def elastic(self, slip: Array) -> Array:
-        """The part of it that is no longer than l."""
+        """The elastic part of a slip: along it, and no longer than l."""
         size = np.linalg.norm(slip, axis=1)
         return np.asarray(slip * (self._longest / np.maximum(size, self._longest))[:, None])
 
@@ -59,7 +59,7 @@ class MicroSlip(Coulomb):
     def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
-        """Of the slip where it is no longer than l, else across it; and of l along it."""
+        """Transposed derivative of ``at_step_end``, in the slip and in its longest part l."""
         of_elastic = np.where(closed[:, None], of_end["elastic_slip"], 0.0)
         size = np.linalg.norm(slip, axis=1)
         slides = size > self._longest
@@ -70,11 +70,11 @@ class MicroSlip(Coulomb):
         return of_slip, {"regularisation_parameter": of_longest}
 
     def vjp_carried_slip(self, of_carried: Array) -> Mapping[str, Array]:
-        """It is the elastic slip."""
+        """Derivatives in the elastic slip, which is the carried slip itself."""
         return {"elastic_slip": of_carried}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of l, which stands in the place of ε, too."""
+        """Slopes of Coulomb's parameters, and of l, which stands in the place of ε."""
         if key == "friction_law.elastic_slip":
             return {"regularisation_parameter": np.ones_like(self.coefficient)}
         return super().field_slopes(key, unit)

@@ -35,7 +35,7 @@ class Nonlocal(Coulomb):
 
     @property
     def is_linear(self) -> bool:
-        """An average is."""
+        """Whether the bound grows in proportion with all pressures: an average does."""
         return True
 
     def averaged(self, pressure: Array) -> Array:
@@ -44,7 +44,7 @@ class Nonlocal(Coulomb):
         return self.neighbours.apply(pressure)
 
     def average_transposed(self, of_averaged: Array) -> Array:
-        """By the transpose."""
+        """Derivatives in the pressure at all points, by the transposed average."""
         self._follow_reach()
         return self.neighbours.transposed(of_averaged)
 

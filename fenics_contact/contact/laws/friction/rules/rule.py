@@ -107,12 +107,12 @@ class FrictionRule:
 
     @property
     def constants(self) -> Mapping[str, float]:
-        """Its other parameters, which are numbers, by name."""
+        """Parameters of ``bound`` that are one number for all points, by name."""
         return {}
 
     @property
     def changing(self) -> Mapping[str, Expr]:
-        """Those that change from load step to load step, arrays of ``state``, in UFL, by name."""
+        """Parameters that load steps change, arrays of ``state``, in UFL, by name."""
         return {}
 
     @property
@@ -226,7 +226,7 @@ class FrictionRule:
         return self._at_points.value(pressure=self.averaged(pressure), **self._values)
 
     def slope(self, pressure: Array) -> Array:
-        """Its derivative in the pressure that it follows, at the points, (points,); collective.
+        """Derivative of the bound in the pressure that it follows, at the points; collective.
 
         Args:
             pressure: At the points (stress).
@@ -259,7 +259,7 @@ class FrictionRule:
         )
 
     def _fields_in_ufl(self) -> dict[str, Expr]:
-        """What stands in a form for ``fields`` and ``constants``."""
+        """Parameters of ``bound`` in UFL, for forms, by name; collective."""
         trace = self.site.trace
         mesh = trace.surface.mesh
         fields = {name: trace.coefficient(values) for name, values in self.fields.items()}
