@@ -18,14 +18,25 @@ _RUN = {
 Content = dict[str, Any]
 
 
+def _contact(content: Content) -> Content:
+    """With what the laws of its names answer."""
+    found = _CONTACT | content
+    answers = {
+        "pressure_is_given": found["contact"] == "prescribed",
+        "is_rigid": found["contact"] in ("unilateral", "bonded"),
+        "carries_shear": found["law"] != "none",
+    }
+    return {"answers": answers} | found
+
+
 def made_contact(**content: Any) -> ContactRecord:
-    return TypeAdapter(ContactRecord).validate_python(_CONTACT | content)
+    return TypeAdapter(ContactRecord).validate_python(_contact(content))
 
 
 def made_run(content: Content) -> RunRecord:
     """What a file of this content would hold."""
     model = {"kinematics": "plane strain", "contact_points": 0} | content.get("model", {})
-    contacts = [_CONTACT | contact for contact in content.get("contacts", [])]
+    contacts = [_contact(contact) for contact in content.get("contacts", [])]
     steps = [_STEP | step for step in content.get("steps", [])]
     for step in steps:
         step["contacts"] = [_CONTACT | contact for contact in step.get("contacts", [])]

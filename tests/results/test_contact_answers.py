@@ -9,12 +9,12 @@ from tests.contact.laws.test_normal_compliance import block, law
 from tests.records import made_contact
 from tests.scenes import box_body
 
-# Of a result that was written before the answers were: pressure given, drawn as a solid, shear.
-EARLIER = {
-    ("prescribed", "static"): (True, False, True),
-    ("unilateral", "none"): (False, True, False),
-    ("winkler", "incremental"): (False, False, True),
-    ("bonded", "stick"): (False, True, True),
+# Of the laws across a contact: whether pressure is given, and whether it is drawn as a solid.
+ANSWERS = {
+    "prescribed": (True, False),
+    "unilateral": (False, True),
+    "winkler": (False, False),
+    "bonded": (False, True),
 }
 
 
@@ -22,12 +22,11 @@ def answers(contact):
     return contact.pressure_is_given, contact.is_rigid, contact.carries_shear
 
 
-@pytest.mark.parametrize(("names", "expected"), EARLIER.items())
-def test_results_without_answers_have_those_of_their_laws(names, expected):
-    contact, friction = names
-    assert answers(made_contact(contact=contact, law=friction)) == expected
-    kind = next(law for law in LAWS if law.kind == contact)
-    assert (kind.pressure_is_known, kind.has_penalty) == expected[:2]  # and laws say the same
+@pytest.mark.parametrize(("kind", "expected"), ANSWERS.items())
+def test_laws_answer(kind, expected):
+    law = next(law for law in LAWS if law.kind == kind)
+    assert (law.pressure_is_known, law.has_penalty) == expected
+    assert answers(made_contact(contact=kind, law="static")) == (*expected, True)
 
 
 def test_a_law_that_they_do_not_know_answers_for_itself():

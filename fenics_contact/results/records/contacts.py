@@ -70,13 +70,13 @@ class ContactRecord(Record):
     """
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
-        {"arrays", "answers", "slave", "master", "slave_reason", "uniqueness_limit", "errors"}
+        {"arrays", "slave", "master", "slave_reason", "uniqueness_limit", "errors"}
     )
 
     name: str
     contact: str
     law: str
-    answers: LawAnswers | None = None
+    answers: LawAnswers
     slave: str | None = None
     master: str | None = None
     slave_reason: str | None = None
@@ -94,17 +94,17 @@ class ContactRecord(Record):
     @property
     def pressure_is_given(self) -> bool:
         """Whether the pressure is the scene's, and nothing of it is found."""
-        return self._answers.pressure_is_given
+        return self.answers.pressure_is_given
 
     @property
     def is_rigid(self) -> bool:
         """Whether what stands opposite is not to be entered, so that it is drawn as a solid."""
-        return self._answers.is_rigid
+        return self.answers.is_rigid
 
     @property
     def carries_shear(self) -> bool:
         """Whether forces along the surface act: friction, or glue."""
-        return self._answers.carries_shear
+        return self.answers.carries_shear
 
     @property
     def coulomb_coefficient(self) -> float | None:
@@ -113,15 +113,6 @@ class ContactRecord(Record):
         if "friction_law" in self.parameters or not isinstance(given, float | int):
             return None
         return float(given)
-
-    @property
-    def _answers(self) -> LawAnswers:
-        """Those of the file; in earlier ones, of before they were written, those of its laws."""
-        return self.answers or LawAnswers(
-            pressure_is_given=self.contact == "prescribed",
-            is_rigid=self.contact in ("unilateral", "bonded"),
-            carries_shear=self.law != "none",
-        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
