@@ -70,6 +70,10 @@ class DiscreteBody:
             for surfaces, (keeps, why) in zip(named, choose_slaves(named), strict=True)
         ]
 
+    def serve_many(self) -> None:
+        """From now on keep what each problem would work out."""
+        self.is_kept = True
+
     def once(self, name: str, make: Callable[[], _T]) -> _T:
         """What is worked out of it: once where it is kept, else whenever it is asked for.
 

@@ -137,17 +137,23 @@ class Run:
         """Mesh, model and solver; collective."""
         is_asked, passes_over = scene.derivatives is not None, scene.passes_cycles_over
         damping_scenes(scene)  # which says what of it cannot be had
-        is_used_again = is_asked or scene.modes is not None or scene.stability is not None
-        is_used_again |= scene.motion is not None and scene.motion.modes is not None
-        if (passes_over or (is_used_again and scene.accuracy is None)) and self._kept is None:
+        asks_more = is_asked or scene.modes is not None or scene.stability is not None
+        moves_in_modes = scene.motion is not None and scene.motion.modes is not None
+        # What is asked besides uses the body again, but does not change how the answer is computed.
+        self._solves_many = self._kept is not None or passes_over or moves_in_modes
+        if self._kept is None and (self._solves_many or (asks_more and scene.accuracy is None)):
             body = body or mesh_of(scene, comm, self.timings)
-            self._kept = KeptBody(scene, body, self.timings, KnownFactors())
+            factors = KnownFactors()
+            self._kept = KeptBody(scene, body, self.timings, factors, self._solves_many)
         if self._kept is None:
             body = body or mesh_of(scene, comm, self.timings)
             self._pose(Problem.on_mesh(scene, body, self.timings))
         else:
             once = one_cycle(scene, None, None)[0] if passes_over else scene
-            self._pose(Problem(once, self._kept.discrete, self.timings, by_points=True))
+            by_points = self._solves_many or scene.motion is not None
+            self._pose(Problem(once, self._kept.discrete, self.timings, by_points))
+            if not self._solves_many:
+                choose_solver(self.problem, is_kept=True)  # refuses what memory will not hold later
         self._keys = keys_asked_of(self.problem) if is_asked else []
 
     def _pose(self, problem: Problem) -> None:
@@ -157,7 +163,7 @@ class Run:
             self.scene = problem.scene  # with the time step that it has chosen
         with self.timings.phase("solve"):
             self.free_motion: FreeMotion = require_equilibrium(problem)
-        self.choice: SolverChoice = choose_solver(problem, self._kept is not None)
+        self.choice: SolverChoice = choose_solver(problem, self._solves_many)
         forces_of = partial(MovingForces if self.scene.motion else BulkForces, problem)
         kind = CycleHistory if self.scene.passes_cycles_over else StepHistory
         self._history = kind(problem, self.timings, forces_of)
@@ -321,6 +327,7 @@ class Run:
     def _kept_body(self) -> KeptBody:
         """The body for what is asked of the answer; of a run on several meshes one of its own."""
         if self._kept is not None:
+            self._kept.serve_many()
             return self._kept
         return KeptBody(self.scene, self.problem.body, Timings(), KnownFactors())
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import Run, run
+from fenics_contact import Modes, Run, run
 from fenics_contact.cli import commands
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt
@@ -18,6 +18,7 @@ from fenics_contact.simulation.step_history import LinearRange
 from fenics_contact.trust.checks import run_checks
 from fenics_contact.trust.error_estimates import budget, estimates
 from tests.common.test_failures import on_two_ranks, pressed
+from tests.simulation.studies.cases import ON_A_FLOOR, square
 
 COMM = MPI.COMM_WORLD
 BY = "contact.0.friction_coefficient"
@@ -63,6 +64,30 @@ PIECES = {
     "cycles": (scene_run, "cycles_record", "Losses of cycles were not found: "),
     "fields": (files.FieldSeries, "write", "Fields were not written: "),
 }
+
+
+ASKED = {
+    "derivatives": {"derivatives": AskedDerivatives(("normal_force",), (BY,))},
+    "modes": {"modes": Modes(number=2)},
+}
+NOT_OF_ANSWER = ("derivatives", "uncertainty", "modes", "damping", "timings", "verdict")
+
+
+@pytest.mark.errors
+@pytest.mark.parametrize("asked", ASKED)
+def test_what_is_asked_besides_does_not_change_the_answer(asked):
+    """Not by a bit: quantities, errors, checks, the way to them, the solver and its reason."""
+    material = tuple(replace(one, density=1e-3) for one in ON_A_FLOOR.material)
+    contact = (replace(ON_A_FLOOR.contact[0], law="incremental"),)
+    scene = replace(ON_A_FLOOR, material=material, contact=contact)
+    alone, asking = (
+        run(replace(scene, **more), COMM, square()).as_dict() for more in ({}, ASKED[asked])
+    )
+    assert asking[asked]
+    for one in (alone, asking):
+        for key in NOT_OF_ANSWER:
+            one.pop(key, None)
+    assert json.dumps(asking) == json.dumps(alone)
 
 
 @pytest.mark.errors

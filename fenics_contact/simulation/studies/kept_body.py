@@ -42,12 +42,21 @@ class KeptBody:
         body: Its mesh.
         timings: Seconds so far.
         factors: Of the parts of the body before it; those of its own parts are added.
+        serves_many: Whether it serves many problems from the first one on; by default it does.
     """
 
-    def __init__(self, scene: Scene, body: Body, timings: Timings, factors: KnownFactors) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        body: Body,
+        timings: Timings,
+        factors: KnownFactors,
+        serves_many: bool = True,
+    ) -> None:
         with timings.phase("compile"):
             self.discrete = DiscreteBody(BodyDescription.of(scene), body)
-            self.discrete.is_kept = True
+        if serves_many:
+            self.serve_many()
         self._factors = factors
         self._earlier = 0
         self._problem: Problem | None = None
@@ -55,6 +64,10 @@ class KeptBody:
         self.modes_ahead = 0
         self.condensed: CondensedBody | None = None
         self.saved: SavedBody | None = None
+
+    def serve_many(self) -> None:
+        """From now on keep what each problem would work out of the body."""
+        self.discrete.serve_many()
 
     @property
     def factorisations(self) -> int:

@@ -109,7 +109,7 @@ class CondensedBody:
 
     def _take(self, bulk: CondensedBulk) -> None:
         """What is worked out of a factorisation, and remembered; collective."""
-        self.bulk, discrete = bulk, self.discrete
+        self.bulk, discrete, moves = bulk, self.discrete, self._moves
         parts = discrete.elastic.preloaded
         self.preloads = CondensedPreloads(parts, self.stiffness, bulk, self.held)
         self.loads = CondensedLoads(bulk)
@@ -120,7 +120,7 @@ class CondensedBody:
             bulk.condense if self._moves else self.loads.condense,
             self.preloads,
             self._constrained,
-            discrete.is_kept and not self._moves,
+            lambda: discrete.is_kept and not moves,
         )
         self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, bulk))
         self._of_schur: OfSchur | None = None

@@ -63,7 +63,7 @@ class LoadsOfBody:
             bulk itself.
         preloads: What shortenings of preloaded parts do.
         constrained: Dofs that supports hold (local indices, owned and ghost).
-        is_kept: Whether it is for many answers.
+        is_kept: Whether it is, at present, for many answers.
     """
 
     def __init__(
@@ -74,11 +74,11 @@ class LoadsOfBody:
         condense: Callable[[Array], Array],
         preloads: CondensedPreloads,
         constrained: Integers,
-        is_kept: bool,
+        is_kept: Callable[[], bool],
     ) -> None:
         self._stiffness, self._held, self._dofs = stiffness, held, dofs
         self._condense, self._preloads, self._constrained = condense, preloads, constrained
-        self._most = _MOST if is_kept else 1
+        self._is_kept = is_kept
         self._known: list[PresentLoads] = []
 
     def supported(self, prescribed: Array, components: int) -> Array:
@@ -109,5 +109,5 @@ class LoadsOfBody:
             condensed=self._condense(load),
             along_parts=self._preloads.from_loads(load, self._stiffness.at_unknowns(supported)),
         )
-        self._known = [*self._known[1 - self._most :], found] if self._most > 1 else [found]
+        self._known = [*self._known[1 - _MOST :], found] if self._is_kept() else [found]
         return found
