@@ -13,7 +13,7 @@ from tests.scenes import ROOT
 pytestmark = pytest.mark.serial
 
 DOCKERFILE = re.sub(r"\\\n\s*", " ", (ROOT / "Dockerfile").read_text())
-SHARE = "-p no:cacheprovider --one-case-in 6 --one-test-in 2"
+SHARE = "-p no:cacheprovider --one-case-in 8 --one-test-in 2"
 # Says how it was called, and from where; fails if its name is in $FAIL.
 STUB = r"""#!/bin/sh
 name=${0##*/}
