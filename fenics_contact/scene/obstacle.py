@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
+from fenics_contact.analytic import obstacle_shapes
+from fenics_contact.analytic.obstacle_shapes import ObstacleShape
 from fenics_contact.scene.units.dimensions import FORCE, LENGTH, PLACE
 from fenics_contact.scene.values import (
     PER_AXIS,
     RAMP,
     LoadPath,
     Number,
+    OneOf,
     Positive,
     Text,
     Value,
@@ -21,9 +24,7 @@ from fenics_contact.scene.values import (
 Direction = Annotated[tuple[Number, ...], PER_AXIS]
 Place = Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS]
 Motion = Annotated[tuple[Annotated[Number, LENGTH], ...], PER_AXIS]
-Shape = Literal[
-    "plane", "parabola", "paraboloid", "cylinder", "sphere", "flat punch", "annular punch"
-]
+Shape = Annotated[str, OneOf(obstacle_shapes.names)]
 
 
 @scene_class
@@ -117,14 +118,15 @@ class Obstacle:
             raise ValueError("give either an indentation or a force")
         if self.shape is None and self.gap is None and self.position is not None:
             raise ValueError("position: only a shape or a gap has one")
-        if self.along is not None and self.shape not in ("parabola", "cylinder"):
+        kind = self.kind
+        if self.along is not None and not (kind and kind.has_lines):
             raise ValueError("along: only a 3D parabola or cylinder has such a direction")
-        needs_radius = self.shape not in (None, "plane")
+        needs_radius = kind is not None and kind.has_radius
         if needs_radius and self.radius is None:
             raise ValueError(f"radius is missing for the shape '{self.shape}'")
         if not needs_radius and self.radius is not None:
             raise ValueError("radius: only a curved shape or a punch has one")
-        if (self.shape == "annular punch") != (self.inner_radius is not None):
+        if (kind is not None and kind.has_inner_radius) != (self.inner_radius is not None):
             raise ValueError("inner_radius belongs to the shape 'annular punch', and only there")
         if self.radius and self.inner_radius and self.inner_radius >= self.radius:
             raise ValueError(f"inner_radius = {self.inner_radius:g} must be less than the radius")
@@ -132,6 +134,11 @@ class Obstacle:
             vector = getattr(self, key)
             if vector is not None and not any(vector):
                 raise ValueError(f"{key} must not be a zero vector")
+
+    @property
+    def kind(self) -> ObstacleShape | None:
+        """What its shape decides; None without a shape."""
+        return None if self.shape is None else obstacle_shapes.shape_of(self.shape)
 
 
 @scene_class

@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import description_of, dimension_of
-from fenics_contact.scene.values import PathFunction, PositionFunction, Profile
+from fenics_contact.scene.values import OneOf, PathFunction, PositionFunction, Profile
 
 
 @dataclass(frozen=True)
@@ -116,6 +116,9 @@ def _accepted(hint: Any) -> str:
         return f"table of name = {_accepted(parts[1])}"
     if dataclasses.is_dataclass(plain):
         return "a profile" if plain is Profile else "table"
+    choices = next((found for found in information if isinstance(found, OneOf)), None)
+    if choices is not None:
+        return " or ".join(f'`"{word}"`' for word in choices.names())
     name = {float: "number", int: "whole number", str: "text", bool: "`true` or `false`"}[plain]
     return name + _bounds(information)
 

@@ -10,8 +10,16 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, Literal, TypeVar, cast, dataclass_transform
 
 import numpy as np
-from pydantic import ConfigDict, Field, Strict, ValidationError
+from pydantic import (
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    Strict,
+    ValidationError,
+)
 from pydantic.dataclasses import dataclass
+from pydantic_core import PydanticKnownError, core_schema
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import SceneError
@@ -24,6 +32,35 @@ Integer = Annotated[int, Strict()]
 Text = Annotated[str, Field(min_length=1)]
 AxisName = Literal["x", "y", "z"]
 Kinematics = Literal["plane strain", "plane stress", "axisymmetric", "3D"]
+
+
+@dataclasses.dataclass(frozen=True)
+class OneOf:
+    """Marks a text that is one of some names, of which there can be more later.
+
+    Attributes:
+        names: Gives all of them.
+    """
+
+    names: Callable[[], tuple[str, ...]]
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_after_validator_function(self._known, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {**handler(schema), "enum": list(self.names())}
+
+    def _known(self, text: str) -> str:
+        names = [f"'{name}'" for name in self.names()]
+        if text not in self.names():
+            said = {"expected": f"{', '.join(names[:-1])} or {names[-1]}"}
+            raise PydanticKnownError("literal_error", said)
+        return text
+
 
 AXES: tuple[AxisName, ...] = ("x", "y", "z")
 # Index pairs of a stress or strain in the order of a 6 × 6 stiffness matrix.

@@ -13,23 +13,18 @@ from typing import Any
 import numpy as np
 import ufl
 
+from fenics_contact.analytic import obstacle_shapes
+from fenics_contact.analytic.obstacle_shapes import Sizes
 from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Kinematics, Profile
 
-_SHAPES = {
-    "plane strain": ("plane", "parabola", "cylinder", "flat punch"),
-    "plane stress": ("plane", "parabola", "cylinder", "flat punch"),
-    "axisymmetric": ("plane", "paraboloid", "sphere", "flat punch", "annular punch"),
-}
 # Directions that a scene gives, as lists.
 DIRECTIONS = ("normal", "along", "direction")
 # Normals that all point one way to this accuracy are those of a flat surface.
 _FLAT = 1e-6
-# A point counts as opposite the edge of a punch within this share of its radius.
-_EDGE = 1e-6
 # Samples along the side of a facet, and over the width of what is to be seen between its nodes.
 _FEWEST, _MOST, _PER_WIDTH = 4, 48, 2.5
 
@@ -134,17 +129,16 @@ class RigidObstacle:
         Returns:
             Samples along a facet's side, (facets,): none where it is flat or not before the facet.
         """
-        obstacle, shape = self._obstacle, self._obstacle.shape
+        obstacle, shape = self._obstacle, self._obstacle.kind
         if isinstance(obstacle.gap, Profile):
             spacing = float(np.diff(obstacle.gap.at).min())
             return _counts(radii, spacing)
-        if callable(obstacle.gap) or shape in ("parabola", "paraboloid"):
+        if callable(obstacle.gap) or (shape is not None and shape.is_endless):
             return _counts(radii, np.inf)
         radius = obstacle.radius
         if shape is None or radius is None:
             return np.zeros(len(radii), dtype=np.int64)
-        is_round = shape in ("cylinder", "sphere")
-        away = centres - (self._apex - radius * self._normal if is_round else self._apex)
+        away = centres - (self._apex - radius * self._normal if shape.is_round else self._apex)
         rays = np.zeros_like(away)
         rays[:, : normals.shape[1]] = normals
         if self._along is not None:
@@ -170,7 +164,8 @@ class RigidObstacle:
             return obstacle.gap(points.T)
         if callable(obstacle.gap):
             return self._gap_function(obstacle.gap, points, position)
-        if obstacle.gap is not None or obstacle.shape is None:
+        shape = obstacle.kind
+        if shape is None:
             return np.full(len(points), float(obstacle.gap or 0.0))
         rays = np.zeros((len(points), 3))
         rays[:, : normals.shape[1]] = normals
@@ -178,59 +173,8 @@ class RigidObstacle:
         if self._along is not None:  # nothing changes along the lines of a cylinder
             across = np.eye(3) - np.outer(self._along, self._along)
             offsets, rays = offsets @ across, rays @ across
-        if obstacle.shape in ("parabola", "paraboloid"):
-            return self._to_paraboloid(offsets, rays)
-        if obstacle.shape in ("cylinder", "sphere"):
-            return self._to_sphere(offsets, rays)
-        return self._to_plane(offsets, rays)
-
-    def _to_plane(self, offsets: Array, rays: Array) -> Array:
-        facing = -rays @ self._normal
-        gap = np.full(len(rays), np.inf, np.result_type(offsets, facing))
-        towards = facing > 1e-9
-        gap[towards] = (offsets @ self._normal)[towards] / facing[towards]
-        radius = self._obstacle.radius
-        if radius is not None:  # a punch, which ends at its edge
-            reached = offsets + np.where(towards, gap, 0.0)[:, None] * rays
-            aside = reached - np.outer(reached @ self._normal, self._normal)
-            distance = np.linalg.norm(aside, axis=1)
-            inner = self._obstacle.inner_radius or 0.0
-            margin = _EDGE * radius
-            gap[(distance > radius + margin) | (distance < inner - margin)] = np.inf
-        return gap
-
-    def _to_paraboloid(self, offsets: Array, rays: Array) -> Array:
-        """First entry into height ≤ −ρ²/2R: smaller root of A s² + B s + C."""
-        radius = self._radius
-        assert radius is not None
-        height, rise = offsets @ self._normal, rays @ self._normal
-        across = np.einsum("ij,ij->i", offsets, rays) - height * rise
-        a = (np.einsum("ij,ij->i", rays, rays) - rise**2) / (2 * radius)
-        b = rise + across / radius
-        c = height + (np.einsum("ij,ij->i", offsets, offsets) - height**2) / (2 * radius)
-        discriminant = b**2 - 4 * a * c
-        towards = (rise < -1e-9) & (discriminant >= 0)
-        divisor = -b + np.sqrt(np.where(towards, discriminant, 0.0))
-        towards &= divisor > 0
-        return np.where(towards, 2 * c / np.where(towards, divisor, 1.0), np.inf)
-
-    def _to_sphere(self, offsets: Array, rays: Array) -> Array:
-        """First entry into |x − centre| ≤ R; overlaps deeper than R are no contact.
-
-        All is taken over R, and from the apex: of a large radius the centre is so far away that
-        distances from it tell nothing of the gap.
-        """
-        radius = self._radius
-        assert radius is not None
-        along = -(rays @ self._normal) - np.einsum("ij,ij->i", offsets, rays) / radius
-        lengths = np.einsum("ij,ij->i", rays, rays)
-        outside = 2 * offsets @ self._normal + np.einsum("ij,ij->i", offsets, offsets) / radius
-        discriminant = along**2 - lengths * (outside / radius)
-        hit = (discriminant >= 0) & (along > 0)
-        # The stable form of (along − √discriminant) / lengths.
-        divisor = along + np.sqrt(np.where(hit, discriminant, 0.0))
-        gap = np.where(hit, outside / np.where(hit, divisor, 1.0), np.inf)
-        return np.where(gap < -radius, np.inf, gap)
+        sizes = Sizes(self._normal, self._radius, obstacle.inner_radius or 0.0)
+        return shape.gaps(offsets, rays, sizes)
 
     def _gap_function(
         self, function: Callable[[Expr], Expr], points: Array, position: Expr
@@ -250,15 +194,16 @@ class RigidObstacle:
         return np.array(values, dtype=np.float64)
 
     def _require_shape(self) -> None:
-        shape, kinematics = self._obstacle.shape, self._kinematics
-        accepted = _SHAPES.get(kinematics)
+        shape, kinematics = self._obstacle.kind, self._kinematics
         if shape is None:
             return
-        if accepted and shape not in accepted:
+        if kinematics not in shape.models:
+            accepted = obstacle_shapes.names_in(kinematics)
             raise InputError(
-                f"{self._key}.shape = '{shape}': a {kinematics} model has {', '.join(accepted)}"
+                f"{self._key}.shape = '{shape.name}': a {kinematics} model has "
+                f"{', '.join(accepted)}"
             )
-        lines = shape in ("parabola", "cylinder") and kinematics == "3D"
+        lines = shape.has_lines and kinematics == "3D"
         if lines != (self._obstacle.along is not None):
             raise InputError(
                 f"{self._key}.along: needed for a parabola or cylinder in 3D, and only there"

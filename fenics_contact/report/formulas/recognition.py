@@ -36,8 +36,6 @@ _ALIKE = 0.05
 _NARROW, _LARGE = 0.2, 5.0
 # The force stays, by this share, while a contact is sheared.
 _STEADY = 1e-2
-_POINT = {"paraboloid": "Hertz", "sphere": "Hertz"}
-_LINE = {"parabola": "Hertz", "cylinder": "Hertz"}
 
 
 @dataclass(frozen=True)
@@ -136,11 +134,12 @@ def _of_obstacle(
             if np.delete(sizes, across).max() > _FLAT * sizes.max():
                 return None
     line = scene.kinematics == "plane strain"
-    punch = obstacle.shape == "flat punch"
+    shape = obstacle.kind
+    punch = shape is not None and shape.has_edge and not shape.has_inner_radius
     if scene.kinematics == "3D" and punch:
         return None  # its edge cuts through cells
-    shapes = _LINE if line else _POINT
-    if not punch and (obstacle.shape not in shapes or obstacle.along is not None):
+    is_hertzian = shape is not None and shape.is_hertzian and obstacle.along is None
+    if not (punch or is_hertzian):
         return None
     centre = np.zeros(3)
     centre[: len(obstacle.position or ())] = obstacle.position or ()
@@ -303,7 +302,7 @@ def _mirrors(scene: Scene, result: Outcome) -> list[tuple[int, float]]:
 def _is_round(scene: Scene) -> bool:
     """Whether the obstacle is a sphere or cylinder, which Hertz takes for its paraboloid."""
     obstacle = scene.contact[0].obstacle
-    return obstacle is not None and obstacle.shape in ("sphere", "cylinder")
+    return obstacle is not None and obstacle.kind is not None and obstacle.kind.is_round
 
 
 def _moduli(materials: tuple[Material, ...]) -> tuple[float, float] | None:

@@ -28,7 +28,6 @@ from fenics_contact.scene.values import Value
 from fenics_contact.simulation.sensitivities.values import found_in, numbered, unit_of, value_under
 
 _MODULI = ("youngs_modulus", "poissons_ratio")
-_WITH_EDGES = ("flat punch", "annular punch")
 # Why numbers have none that answers do follow.
 _WHY = {
     "mesh": "cells would be others, from which answers jump more than they change; compare runs",
@@ -275,7 +274,7 @@ class SceneChanges:
             raise _refused(key, "it turns the force on the half_space")
         if problem.spaces.kinematics == "axisymmetric" or axis in contact.trace.symmetry.axes:
             raise _refused(key, "the model would have no symmetry")
-        if obstacle.shape in _WITH_EDGES and name == "normal":
+        if obstacle.kind is not None and obstacle.kind.has_edge and name == "normal":
             raise _refused(key, "contact jumps where an edge of the obstacle moves")
         if not kinematics.keeps_right_angle(name, axis):
             raise _refused(key, "the lines of the obstacle are at a right angle to its normal")
@@ -320,8 +319,8 @@ class SceneChanges:
 
 def _is_smooth(obstacle: Obstacle, name: str) -> bool:
     """Whether gaps follow its size or place without jumps: not at the edges of punches."""
-    has_edges = obstacle.shape in _WITH_EDGES
-    return obstacle.shape is not None and not (has_edges and name == "radius")
+    shape = obstacle.kind
+    return shape is not None and not (shape.has_edge and name == "radius")
 
 
 def _unit(key: str, value: Value, rest: list[str]) -> Value:

@@ -1,0 +1,216 @@
+"""Shapes of rigid obstacles: a class for each, which says all that its kind decides.
+
+All lengths of ``gaps`` are from the apex; rays need no length of 1, as along the lines of a
+cylinder they are shortened.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array, Flags
+
+PLANE_MODELS = ("plane strain", "plane stress")
+ALL_MODELS = (*PLANE_MODELS, "axisymmetric", "3D")
+# A point counts as opposite the edge of a punch within this share of its radius.
+_EDGE = 1e-6
+# Of a ray, how much of it has to go towards an obstacle.
+_TOWARDS = 1e-9
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Of an obstacle.
+
+    Attributes:
+        normal: Outward unit normal at the apex, (3,).
+        radius: Of a shape that has one (length).
+        inner_radius: Of a shape that has one; else 0 (length).
+    """
+
+    normal: Array
+    radius: Any
+    inner_radius: float
+
+
+class ObstacleShape(ABC):
+    """A shape of rigid obstacles.
+
+    Attributes:
+        name: As in a scene.
+        models: Kinematics that have it.
+        has_radius: Whether it needs a radius.
+        has_inner_radius: Whether it needs an inner radius, too.
+        has_lines: Whether it is straight along lines in 3D, whose direction a scene gives.
+        has_edge: Whether it ends at an edge, where contact jumps as the edge moves.
+        is_round: Whether it is a part of a circle: seen from its centre, not from the apex.
+        is_endless: Whether it is as wide as one looks.
+        is_hertzian: Whether Hertz's formulas are of it.
+    """
+
+    name: ClassVar[str]
+    models: ClassVar[tuple[str, ...]]
+    has_radius: ClassVar[bool] = True
+    has_inner_radius: ClassVar[bool] = False
+    has_lines: ClassVar[bool] = False
+    has_edge: ClassVar[bool] = False
+    is_round: ClassVar[bool] = False
+    is_endless: ClassVar[bool] = False
+    is_hertzian: ClassVar[bool] = False
+
+    @abstractmethod
+    def gaps(self, offsets: Array, rays: Array, sizes: Sizes) -> Array:
+        """From points along rays to the obstacle, (points,) (length); infinite where none hits it.
+
+        Args:
+            offsets: Of the points from the apex, (points, 3) (length).
+            rays: Directions, (points, 3).
+            sizes: Of the obstacle; they may be complex, for derivatives.
+        """
+
+
+class Plane(ObstacleShape):
+    """A plane without an end."""
+
+    name, has_radius = "plane", False
+    models: ClassVar[tuple[str, ...]] = ALL_MODELS
+
+    def gaps(self, offsets: Array, rays: Array, sizes: Sizes) -> Array:
+        """To the plane through the apex."""
+        facing = -rays @ sizes.normal
+        gap = np.full(len(rays), np.inf, np.result_type(offsets, facing))
+        towards = facing > _TOWARDS
+        gap[towards] = (offsets @ sizes.normal)[towards] / facing[towards]
+        return gap
+
+
+class FlatPunch(Plane):
+    """A disc, or a strip in plane models."""
+
+    name, has_radius, has_edge = "flat punch", True, True
+
+    def gaps(self, offsets: Array, rays: Array, sizes: Sizes) -> Array:
+        """To the plane, where the ray meets it inside of the edge."""
+        gap = super().gaps(offsets, rays, sizes)
+        hit = np.isfinite(gap)
+        reached = offsets + np.where(hit, gap, 0.0)[:, None] * rays
+        aside = reached - np.outer(reached @ sizes.normal, sizes.normal)
+        gap[self._beside(np.linalg.norm(aside, axis=1), sizes)] = np.inf
+        return gap
+
+    @staticmethod
+    def _beside(distance: Array, sizes: Sizes) -> Flags:
+        radius = float(np.real(sizes.radius))
+        margin = _EDGE * radius
+        return np.asarray((distance > radius + margin) | (distance < sizes.inner_radius - margin))
+
+
+class AnnularPunch(FlatPunch):
+    """A flat ring."""
+
+    name, has_inner_radius = "annular punch", True
+    models = ("axisymmetric", "3D")
+
+
+class Paraboloid(ObstacleShape):
+    """A paraboloid of revolution, by its radius of curvature at the apex."""
+
+    name = "paraboloid"
+    models: ClassVar[tuple[str, ...]] = ("axisymmetric", "3D")
+    is_endless, is_hertzian = True, True
+
+    def gaps(self, offsets: Array, rays: Array, sizes: Sizes) -> Array:
+        """First entry into height ≤ −ρ²/2R: smaller root of A s² + B s + C."""
+        radius = sizes.radius
+        height, rise = offsets @ sizes.normal, rays @ sizes.normal
+        across = np.einsum("ij,ij->i", offsets, rays) - height * rise
+        a = (np.einsum("ij,ij->i", rays, rays) - rise**2) / (2 * radius)
+        b = rise + across / radius
+        c = height + (np.einsum("ij,ij->i", offsets, offsets) - height**2) / (2 * radius)
+        discriminant = b**2 - 4 * a * c
+        towards = (rise < -_TOWARDS) & (discriminant >= 0)
+        divisor = -b + np.sqrt(np.where(towards, discriminant, 0.0))
+        towards &= divisor > 0
+        return np.where(towards, 2 * c / np.where(towards, divisor, 1.0), np.inf)
+
+
+class Parabola(Paraboloid):
+    """A parabola, which is straight along lines in 3D."""
+
+    name, has_lines = "parabola", True
+    models = (*PLANE_MODELS, "3D")
+
+
+class Sphere(ObstacleShape):
+    """A sphere."""
+
+    name = "sphere"
+    models: ClassVar[tuple[str, ...]] = ("axisymmetric", "3D")
+    is_round, is_hertzian = True, True
+
+    def gaps(self, offsets: Array, rays: Array, sizes: Sizes) -> Array:
+        """First entry into |x − centre| ≤ R; overlaps deeper than R are no contact.
+
+        All is taken over R, and from the apex: of a large radius the centre is so far away that
+        distances from it tell nothing of the gap.
+        """
+        radius = sizes.radius
+        along = -(rays @ sizes.normal) - np.einsum("ij,ij->i", offsets, rays) / radius
+        lengths = np.einsum("ij,ij->i", rays, rays)
+        outside = 2 * offsets @ sizes.normal + np.einsum("ij,ij->i", offsets, offsets) / radius
+        discriminant = along**2 - lengths * (outside / radius)
+        hit = (discriminant >= 0) & (along > 0)
+        # The stable form of (along − √discriminant) / lengths.
+        divisor = along + np.sqrt(np.where(hit, discriminant, 0.0))
+        gap = np.where(hit, outside / np.where(hit, divisor, 1.0), np.inf)
+        return np.where(gap < -radius, np.inf, gap)
+
+
+class Cylinder(Sphere):
+    """A circular cylinder, which is straight along lines in 3D."""
+
+    name, has_lines = "cylinder", True
+    models = (*PLANE_MODELS, "3D")
+
+
+_SHAPES: dict[str, ObstacleShape] = {
+    shape.name: shape
+    for shape in (
+        *(Plane(), Parabola(), Paraboloid(), Cylinder(), Sphere(), FlatPunch(), AnnularPunch()),
+    )
+}
+
+
+def register(shape: ObstacleShape) -> None:
+    """Make a shape known by its name.
+
+    Raises:
+        ValueError: There is a shape of this name.
+    """
+    if shape.name in _SHAPES:
+        raise ValueError(f"there is a shape '{shape.name}'")
+    _SHAPES[shape.name] = shape
+
+
+def unregister(name: str) -> None:
+    """Take out a shape that was registered."""
+    del _SHAPES[name]
+
+
+def names() -> tuple[str, ...]:
+    """Of all shapes."""
+    return tuple(_SHAPES)
+
+
+def names_in(kinematics: str) -> list[str]:
+    """Of the shapes that a model has, by its kinematics."""
+    return [name for name, shape in _SHAPES.items() if kinematics in shape.models]
+
+
+def shape_of(name: str) -> ObstacleShape:
+    """The shape of a name."""
+    return _SHAPES[name]

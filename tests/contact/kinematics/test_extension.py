@@ -1,0 +1,115 @@
+"""An obstacle that a file registers has all that the program's own have."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import (
+    AskedDerivatives,
+    Contact,
+    InputError,
+    Material,
+    Obstacle,
+    Run,
+    Scene,
+    Steps,
+    Support,
+    run,
+)
+from fenics_contact.common.errors import SceneError
+from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
+from fenics_contact.scene.schema import scene_schema
+from tests.contact.kinematics import ellipse
+from tests.report.page.pages import page_of
+from tests.scenes import box_body, with_solver
+from tests.simulation.restart.test_state_file import resumed, stopped_after
+
+COMM = MPI.COMM_WORLD
+HALF_AXIS = 0.5
+DEPTH = 0.005
+BY = ("contact.0.obstacle.indentation", "contact.0.obstacle.radius")
+
+
+@pytest.fixture(autouse=True)
+def registered():
+    ellipse.register()
+    yield
+    ellipse.unregister()
+
+
+def pressed(shape, radius, depth=DEPTH, **more):
+    obstacle = Obstacle(shape, radius=radius, position=(0.5, 1), indentation=depth)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1000, 0.3),
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=obstacle),),
+        **more,
+    )
+    return with_solver(scene, errors="none")
+
+
+def square():
+    return box_body((40, 20), (1, 1))
+
+
+def test_gaps_are_those_of_an_ellipse():
+    """y = b (1 − √(1 − x²/a²)) below the apex, from a surface beneath it."""
+    across = np.linspace(-0.9, 0.9, 7) * HALF_AXIS
+    points = np.stack([0.5 + across, np.full(7, 0.8), np.zeros(7)], axis=1)
+    normals = np.tile([0.0, 1.0], (7, 1))
+    obstacle = Obstacle("ellipse", radius=HALF_AXIS, position=(0.5, 1))
+    found = RigidObstacle(obstacle, "plane strain", normals, "it").gap(points, normals, None)
+    height = HALF_AXIS / ellipse.RATIO
+    expected = 0.2 + height * (1 - np.sqrt(1 - (across / HALF_AXIS) ** 2))
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_its_force_is_that_of_its_curvature():
+    """The radius of curvature at the apex is a²/b; a contact as narrow as this sees no more."""
+    found = run(pressed("ellipse", HALF_AXIS), COMM, square())
+    like = run(pressed("parabola", ellipse.RATIO * HALF_AXIS), COMM, square())
+    assert found.exit_code == 0
+    force, expected = (one.quantities["normal_force"] for one in (found, like))
+    assert force == pytest.approx(expected, rel=0.02) and force != expected
+
+
+def test_forces_have_derivatives_by_its_numbers():
+    asked = AskedDerivatives(of=("normal_force",), by=BY)
+    found = run(pressed("ellipse", HALF_AXIS, derivatives=asked), COMM, square()).derivatives
+
+    def force(radius, depth):
+        scene = pressed("ellipse", radius, depth)
+        return run(scene, COMM, square()).quantities["normal_force"]
+
+    by_depth = force(HALF_AXIS, 1.001 * DEPTH) - force(HALF_AXIS, 0.999 * DEPTH)
+    by_radius = force(1.001 * HALF_AXIS, DEPTH) - force(0.999 * HALF_AXIS, DEPTH)
+    slopes = found["normal_force"]
+    assert slopes[BY[0]].discrete == pytest.approx(by_depth / (0.002 * DEPTH), rel=2e-3)
+    assert slopes[BY[1]].discrete == pytest.approx(by_radius / (0.002 * HALF_AXIS), rel=2e-2)
+
+
+@pytest.mark.serial
+def test_runs_go_on_with_it_and_pages_name_it(tmp_path):
+    scene, body = pressed("ellipse", HALF_AXIS, steps=Steps(number=3)), square()
+    whole = Run(scene, COMM, body).solve()
+    stopped_after(scene, body, tmp_path, 1)
+    found = resumed(scene, body, tmp_path)
+    force, expected = (one.quantities["normal_force"] for one in (found, whole))
+    assert force == pytest.approx(expected, rel=1e-8)
+    assert "normal force" in page_of(whole.as_dict())
+    assert "ellipse" in str(scene_schema()["$defs"]["Obstacle"]["properties"]["shape"])
+
+
+def test_it_is_refused_where_it_does_not_fit():
+    scene = dataclasses.replace(pressed("ellipse", HALF_AXIS), kinematics="axisymmetric")
+    with pytest.raises(InputError, match="a axisymmetric model has plane, paraboloid, sphere"):
+        run(scene, COMM, square())
+    with pytest.raises(SceneError, match=r"must be 'plane', .* or 'ellipse'"):
+        Obstacle("elipse", radius=1)
+    with pytest.raises(SceneError, match="radius is missing for the shape 'ellipse'"):
+        Obstacle("ellipse")
+    with pytest.raises(ValueError, match="there is a shape 'ellipse'"):
+        ellipse.register()
