@@ -56,7 +56,7 @@ def coarse_contacts(load_steps: LoadSteps) -> list[CoarseContact]:
     for number, (contact, state) in enumerate(zip(problem.contacts, solution.states, strict=True)):
         if not contact.is_one_sided:
             continue
-        between = unseen(problem, solution, number)
+        between = unseen(problem, solution, number, solution.displacement)
         far = between.shares > LARGEST_UNSEEN
         size = _FINER * between.spacing[far] * problem.spaces.degree
         finer = np.column_stack([between.places[far], size])

@@ -54,17 +54,18 @@ class Unseen:
     nodes: AnyIntegers
 
 
-def unseen(problem: Problem, solution: Solution, number: int) -> Unseen:
+def unseen(problem: Problem, solution: Solution, number: int, displacement: Array) -> Unseen:
     """How deep the surface of a contact that can only push is between its points; collective.
 
     Args:
         problem: The model.
         solution: Its solution.
         number: Of the contact.
+        displacement: At the body's nodes of this rank, (nodes, components) (length).
     """
     contact, state = problem.contacts[number], solution.states[number]
     trace, kinematics = contact.trace, contact.kinematics
-    between = kinematics.between_points(solution.displacement)
+    between = kinematics.between_points(displacement)
     at_nodes = np.maximum(-state.gap[: len(contact.nodes)], 0.0)
     nodes = kinematics.facets.nodes[between.facets]
     sunk = trace.at_all_nodes(at_nodes)[nodes]
@@ -88,7 +89,7 @@ def unseen_contact(forces: NeededForces) -> Check | None:
     for number, contact in enumerate(forces.problem.contacts):
         if not contact.is_one_sided:
             continue
-        found = unseen(forces.problem, forces.solution, number)
+        found = unseen(forces.problem, forces.solution, number, forces.displacement)
         if largest(forces.problem.comm, np.ones(len(found.shares))) == 0:
             continue
         value, place = worst_of(forces.problem.comm, found.governing, found.places)

@@ -79,7 +79,7 @@ def _sunk(problem: Problem, solution: Solution, number: int, share: float) -> Su
     if not contact.is_one_sided:
         return None
     trace, kinematics = contact.trace, contact.kinematics
-    between = unseen(problem, solution, number)
+    between = unseen(problem, solution, number, solution.displacement)
     far = between.shares > share
     if total(comm, int(far.sum())) == 0:
         return None
