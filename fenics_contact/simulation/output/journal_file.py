@@ -125,7 +125,9 @@ class JournalFile:
                 f"--resume: '{self.path}' was written with another version of "
                 f"{', '.join(versions)}; {_ELSEWHERE}"
             )
-        parts = found["parts"]
+        parts = found.get("parts")
+        if not isinstance(parts, dict):
+            raise InputError(f"--resume: '{self.path}' is damaged, or no journal of a {self._job}")
         names = {**self._parts, **parts}
         others = [name for name in names if parts.get(name) != self._parts.get(name)]
         if others:

@@ -1,6 +1,7 @@
 """Solids of CAD files are bodies: their names, sizes, and how they lie together."""
 
 import dataclasses
+import functools
 import logging
 import math
 import re
@@ -248,13 +249,16 @@ def test_faces_in_the_plane_are_bodies(folder):
 
 
 def test_bodies_of_several_meshes_have_their_names_before_theirs(folder):
-    def build(occ):
+    def build(occ, height):
         for x in (0, 1):
-            occ.addBox(x, 0, 0, 1, 1, 1)
+            occ.addBox(x, 0, height, 1, 1, 1)
 
-    file = cad.write_shapes(folder / "two.step", build, ("a", "b"))
-    source = MeshSource(file, size=1, name="left")
-    body = load_body([source, dataclasses.replace(source, name="right")], 3, COMM)
+    sources = []
+    for name, height in (("left", 0), ("right", 3)):
+        build_there = functools.partial(build, height=height)
+        file = cad.write_shapes(folder / f"{name}.step", build_there, ("a", "b"))
+        sources.append(MeshSource(file, size=1, name=name))
+    body = load_body(sources, 3, COMM)
     cells = [name for name, group in body.groups.items() if group.dimension == 3]
     assert cells == [
         f"{side}{name}" for side in ("left", "right") for name in ("", ".a", ".b", ".body")

@@ -108,10 +108,13 @@ def test_faces_in_the_plane(folder):
 
 
 def test_bodies_of_several_meshes(folder):
-    file = cad.write_shapes(folder / "bar.brep", lambda occ: occ.addBox(0, 0, 0, 1, 1, 4))
-    source = MeshSource(file, size=1, name="left")
+    def bar(name, x):
+        file = folder / f"{name}.brep"
+        written = cad.write_shapes(file, lambda occ: occ.addBox(x, 0, 0, 1, 1, 4))
+        return MeshSource(written, size=1, name=name)
+
     preload = Preload("right.body", ALONG, 1.0, between=(1, 2))
-    sources = (source, dataclasses.replace(source, name="right"))
+    sources = (bar("left", 0), bar("right", 3))
     body = load_body(sources, 3, COMM, preloads=(preload,))
     assert volume(body, preload.group) == pytest.approx(1, rel=1e-9)
     with pytest.raises(InputError, match=re.escape("there is no mesh 'rigt' (did you mean")):

@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 from mpi4py import MPI
 
@@ -155,10 +156,11 @@ def test_contact_surfaces_of_nastran(folder):
 
 
 def test_meshes_of_several_formats_in_one_body(folder):
-    block = Block("hexahedron")
+    block, beside = Block("hexahedron"), Block("hexahedron")
+    beside.points = beside.points + np.array([5.0, 0.0, 0.0])
     files = {
         "a": write(folder, inp(block, "C3D8"), "a.inp").file,
-        "n": write(folder, bdf(block, "CHEXA", "CQUAD4"), "n.bdf").file,
+        "n": write(folder, bdf(beside, "CHEXA", "CQUAD4"), "n.bdf").file,
     }
     sources = [MeshSource(file, name=name) for name, file in files.items()]
     body = load_body(sources, 3, COMM)

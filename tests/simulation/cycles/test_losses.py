@@ -37,7 +37,7 @@ def test_the_bar_of_a_loss_holds_and_a_wrong_loss_is_beyond_it():
     found = run(dataclasses.replace(scene, solver=AUTO), body=coarse).cycles
     for cycle in found.each:
         off = abs(cycle.loss - LOSS)
-        assert 0.01 * LOSS < off < cycle.errors["total"] < 0.03 * LOSS
+        assert 0.01 * LOSS < off < cycle.errors["total"] < 0.035 * LOSS
         assert cycle.errors["mesh"] > 0.5 * off
         assert cycle.contact_errors == {"y1": pytest.approx(cycle.errors)}
     assert abs(found.loss - 50 * LOSS) < found.errors["total"]
