@@ -62,7 +62,7 @@ class RegularisedFriction(FrictionLaw):
 
     @property
     def derived_state(self) -> set[str]:
-        """Arrays by which derivatives go back to load steps before: those of its rule, too."""
+        """Names of the arrays by which derivatives go back to earlier steps, also of its rule."""
         return super().derived_state | {array.name for array in self.rule.state}
 
     @property
