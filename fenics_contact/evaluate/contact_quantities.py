@@ -143,7 +143,7 @@ def _stored_along(answer: ContactAnswer) -> Mapping[str, Any]:
     """Energy of elastic slip, where friction has such; collective."""
     if not answer.contact.friction.stores_energy:
         return {}
-    return {"elastic_slip_energy": answer.contact.work.in_elastic_slip(answer.state)}
+    return {names.ELASTIC_SLIP_ENERGY: answer.contact.work.in_elastic_slip(answer.state)}
 
 
 def _undecided(answer: ContactAnswer) -> Mapping[str, Any]:
@@ -158,7 +158,7 @@ def _undecided(answer: ContactAnswer) -> Mapping[str, Any]:
     slip = np.linalg.norm(contact.friction.scaled_slip(state.slip), axis=1)
     slips = contact.trace.owned & (state.status == SLIP) & (contact.friction_bound > 0)
     near = slips & (slip < 2 * contact.regularisation_parameter)
-    return {"undecided_points": int(total(contact.spaces.comm, near.sum()))}
+    return {names.UNDECIDED_POINTS: int(total(contact.spaces.comm, near.sum()))}
 
 
 def _of_two_bodies(answer: ContactAnswer) -> Mapping[str, Any]:
@@ -170,14 +170,14 @@ def _of_two_bodies(answer: ContactAnswer) -> Mapping[str, Any]:
     if contact.sides.opposite is None:
         return {}
     gap = np.abs(contact.kinematics.gap[answer.state.status != OPEN])
-    return {**slid(contact), "closed_gap": largest(contact.spaces.comm, gap)}
+    return {**slid(contact), names.CLOSED_GAP: largest(contact.spaces.comm, gap)}
 
 
 def slid(contact: ContactSurface) -> dict[str, float]:
     """How far two bodies slid since it was found what faces what, if they do; collective."""
     if contact.sides.opposite is None:
         return {}
-    return {"slip_since_pairing": contact.slid_share()}
+    return {names.SLIP_SINCE_PAIRING: contact.slid_share()}
 
 
 def _motion(answer: ContactAnswer) -> Mapping[str, Any]:
@@ -189,7 +189,7 @@ def _motion(answer: ContactAnswer) -> Mapping[str, Any]:
     if answer.problem.has_datum:
         found[names.INDENTATION] = kinematics.brought_up + kinematics.indentation
     if obstacle.displacement is not None:
-        found["obstacle_displacement"] = kinematics.displacement.tolist()
+        found[names.OBSTACLE_DISPLACEMENT] = kinematics.displacement.tolist()
     return found
 
 

@@ -21,8 +21,12 @@ from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.problem.inertia.inertia import Inertia
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
+    DAMPING_WORK,
+    ELASTIC_SLIP_ENERGY,
+    ENERGY_DEFECT,
     EXTERNAL_WORK,
     FRICTION_WORK,
+    KINETIC_ENERGY,
     PENALTY_ENERGY,
     STRAIN_ENERGY,
 )
@@ -38,8 +42,8 @@ _MOST_OPEN = 0.1
 
 _OF_OBSTACLES = ("pressures", "frictions", "motions")
 _SUMS = ("work", "done", "round_off", "left_open", "changed")
-_STORED = (STRAIN_ENERGY, PENALTY_ENERGY, "elastic_slip_energy", "kinetic_energy")
-_LOST = (FRICTION_WORK, "damping_work")
+_STORED = (STRAIN_ENERGY, PENALTY_ENERGY, ELASTIC_SLIP_ENERGY, KINETIC_ENERGY)
+_LOST = (FRICTION_WORK, DAMPING_WORK)
 
 
 @dataclass(frozen=True)
@@ -215,7 +219,7 @@ class EnergyBook:
         if not self._problem.scene.load_steps.several:
             return {}  # of a single step, the work of the final forces is given
         defect = self._first + self.work - _sum(quantities, (*_STORED, *_LOST))
-        balance = {"energy_defect": defect} if self.applies else {}
+        balance = {ENERGY_DEFECT: defect} if self.applies else {}
         return {EXTERNAL_WORK: self.work, **balance}
 
     def check(self, quantities: Mapping[str, Any]) -> Check | None:
@@ -233,7 +237,7 @@ class EnergyBook:
         limit = _ROUND_OFF + self.round_off / size + open_share
         if self.changed:
             limit += _SHARE
-        return Check(abs(quantities["energy_defect"]) / size, limit)
+        return Check(abs(quantities[ENERGY_DEFECT]) / size, limit)
 
     def end_cycle(self, quantities: Mapping[str, Any]) -> None:
         """Remember where a cycle of loads ends.

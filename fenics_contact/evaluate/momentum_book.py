@@ -9,7 +9,7 @@ import numpy as np
 
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.problem.problem import Problem
-from fenics_contact.quantities.names import CONTACT_FORCE, FRICTION_FORCE
+from fenics_contact.quantities.names import CONTACT_FORCE, FRICTION_FORCE, IMPULSE
 from fenics_contact.results.result import Check
 
 # Round-off of sums over the body, of the impulses and momenta that are added up.
@@ -56,9 +56,9 @@ class MomentumBook:
             mean = 0.5 * (self._last[number] + pressed) + friction
             self._last[number] = pressed
             self.impulses[number] += size * mean
-            found["impulse"] = self.impulses[number].tolist()
+            found[IMPULSE] = self.impulses[number].tolist()
         self._balance(forces)
-        return {"impulse": contacts[0]["impulse"]} if len(contacts) == 1 else {}
+        return {IMPULSE: contacts[0][IMPULSE]} if len(contacts) == 1 else {}
 
     def _balance(self, forces: MovingForces) -> None:
         parts, owned = self._problem.spaces.parts, self._problem.spaces.owned_nodes

@@ -9,6 +9,7 @@ from fenics_contact.evaluate.contact_resultants import resultant
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import DAMPING_WORK, KINETIC_ENERGY, MOMENTUM
 from fenics_contact.solve.load_steps.motion_steps import forces_of_step
 from fenics_contact.solve.newton.solution import Solution
 
@@ -61,10 +62,10 @@ class MovingForces(BulkForces):
     def quantities(self) -> dict[str, Any]:
         """Of the whole model, beside those of statics; collective."""
         spaces = self.problem.spaces
-        damped = {} if self.inertia.damping is None else {"damping_work": self._step.drag.lost}
+        damped = {} if self.inertia.damping is None else {DAMPING_WORK: self._step.drag.lost}
         return {
-            "kinetic_energy": self.inertia.kinetic_energy(self._step.velocity),
+            KINETIC_ENERGY: self.inertia.kinetic_energy(self._step.velocity),
             **self.inertia.masses.quantities(self._step.velocity),
             **damped,
-            "momentum": resultant(spaces, self.momenta[: spaces.owned_nodes]).tolist(),
+            MOMENTUM: resultant(spaces, self.momenta[: spaces.owned_nodes]).tolist(),
         }

@@ -186,42 +186,42 @@ ROWS = (
         needs="friction",
     ),
     Quantity(
-        "worn_volume",
+        names.WORN_VOLUME,
         "volume",
         "what both surfaces together have lost by wear since the start",
         together=Together.SUM,
         is_of_some=True,
     ),
     Quantity(
-        "max_wear_depth",
+        names.MAX_WEAR_DEPTH,
         "length",
         "the deepest wear at a contact point, of both surfaces together",
         together=Together.LARGEST,
         is_of_some=True,
     ),
     Quantity(
-        "worn_volume_on",
+        names.WORN_VOLUME_ON,
         "volume",
         "the part of `worn_volume` that the surface `on` has lost, where `wear.share` says it",
         together=Together.SUM,
         is_of_some=True,
     ),
     Quantity(
-        "worn_volume_against",
+        names.WORN_VOLUME_AGAINST,
         "volume",
         "likewise of the surface `against`",
         together=Together.SUM,
         is_of_some=True,
     ),
     Quantity(
-        "max_wear_depth_on",
+        names.MAX_WEAR_DEPTH_ON,
         "length",
         "the part of `max_wear_depth` that the surface `on` has lost, likewise",
         together=Together.LARGEST,
         is_of_some=True,
     ),
     Quantity(
-        "max_wear_depth_against",
+        names.MAX_WEAR_DEPTH_AGAINST,
         "length",
         "likewise of the surface `against`",
         together=Together.LARGEST,
@@ -237,7 +237,7 @@ ROWS = (
         is_secondary=True,
     ),
     Quantity(
-        "elastic_slip_energy",
+        names.ELASTIC_SLIP_ENERGY,
         "energy",
         "stored along surfaces whose friction has micro-slip, in the slip that goes back",
         together=Together.SUM,
@@ -245,28 +245,28 @@ ROWS = (
         needs="friction",
     ),
     Quantity(
-        "kinetic_energy",
+        names.KINETIC_ENERGY,
         "energy",
         "½ v · M v, where bodies move (`[motion]`)",
     ),
     Quantity(
-        "left_out_kinetic_energy",
+        names.LEFT_OUT_KINETIC_ENERGY,
         "energy",
         "of what gives way beside the modes of `motion.modes`, which take it for none",
     ),
     Quantity(
-        "damping_work",
+        names.DAMPING_WORK,
         "energy",
         "what `motion.rayleigh` and `motion.absorbing` took since the start",
     ),
     Quantity(
-        "momentum",
+        names.MOMENTUM,
         "impulse",
         "of all that moves, a vector; of a revolution its part along the axis",
         is_vector=True,
     ),
     Quantity(
-        "impulse",
+        names.IMPULSE,
         "impulse",
         "∫ `contact_force` dt since the start, a vector, where bodies move",
         together=Together.OF_THE_ONE,
@@ -274,7 +274,7 @@ ROWS = (
         is_vector=True,
     ),
     Quantity(
-        "energy_defect",
+        names.ENERGY_DEFECT,
         "energy",
         "what the load steps leave open of the balance of work and energies; not of a single step",
         has_true_value=False,
@@ -287,14 +287,14 @@ ROWS = (
         is_asked_for=True,
     ),
     Quantity(
-        "obstacle_displacement",
+        names.OBSTACLE_DISPLACEMENT,
         "length",
         "how far an obstacle has been moved besides, a vector, where the scene moves it",
         together=Together.NOT_THERE,
         has_true_value=False,
     ),
     Quantity(
-        "slip_share",
+        names.SLIP_SHARE,
         "",
         "with friction: how much of what it can hold against rigid slip of one side along the "
         "other it does hold, 0 … 1: the largest ∫ τ · r dA / ∫ g |r| dA of rigid motions r "
@@ -306,14 +306,14 @@ ROWS = (
         no_value="-",
     ),
     Quantity(
-        "undecided_points",
+        names.UNDECIDED_POINTS,
         "",
         "with friction: how many points slip by less than 2ε",
         together=Together.NOT_THERE,
         has_true_value=False,
     ),
     Quantity(
-        "slip_since_pairing",
+        names.SLIP_SINCE_PAIRING,
         "",
         "between bodies: largest slip of points that touch since it was found what faces "
         "what, over the size of the contact",
@@ -321,7 +321,7 @@ ROWS = (
         has_true_value=False,
     ),
     Quantity(
-        "closed_gap",
+        names.CLOSED_GAP,
         "length",
         "between bodies: the widest gap of the meshes that has closed",
         together=Together.NOT_THERE,

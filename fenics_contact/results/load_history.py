@@ -12,9 +12,12 @@ from fenics_contact.quantities.names import (
     CONTACT_AREA,
     FRICTION_FORCE,
     INDENTATION,
+    KINETIC_ENERGY,
     NORMAL_FORCE,
+    OBSTACLE_DISPLACEMENT,
     REACTION,
     STICK_AREA,
+    WORN_VOLUME,
 )
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
@@ -96,7 +99,7 @@ class History:
             normal = self.of_contact(number, NORMAL_FORCE)
             if depth is not None and normal is not None and _varies(depth):
                 yield Drive(where, r"indentation, $\delta$", "normal force, $P$", depth, normal)
-            moved = self.of_contact(number, "obstacle_displacement")
+            moved = self.of_contact(number, OBSTACLE_DISPLACEMENT)
             friction = self.of_contact(number, FRICTION_FORCE)
             if moved is not None and friction is not None and contact.carries_shear:
                 yield from _along(where, moved, friction, "friction force", "Q")
@@ -159,7 +162,7 @@ def _varies(values: Array) -> bool:
 
 def clock_of(steps: Sequence[StepRecord]) -> str:
     """What times of load steps are: ``time`` where bodies move, else ``pseudo-time``."""
-    moves = any("kinetic_energy" in step.quantities for step in steps)
+    moves = any(KINETIC_ENERGY in step.quantities for step in steps)
     return "time" if moves else "pseudo-time"
 
 
@@ -183,7 +186,7 @@ def step_line(number: int, step: StepRecord, units: UnitNames | None = None) -> 
         volume = "" if units is None else f" {units.of('volume')}"
         return (
             f"cycle {step.cycle.number}: {worn.passed_over} before it passed over, worn volume "
-            f"{found['worn_volume']:.4g}{volume}, contact area {found[CONTACT_AREA]:.4g}{area}"
+            f"{found[WORN_VOLUME]:.4g}{volume}, contact area {found[CONTACT_AREA]:.4g}{area}"
         )
     counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
     return (

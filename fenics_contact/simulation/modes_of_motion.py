@@ -14,7 +14,12 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.quantities.names import CONTACT_FORCE, STRAIN_ENERGY
+from fenics_contact.quantities.names import (
+    CONTACT_FORCE,
+    KINETIC_ENERGY,
+    LEFT_OUT_KINETIC_ENERGY,
+    STRAIN_ENERGY,
+)
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check, Result
 from fenics_contact.scene.loading.motion import MotionModes
@@ -138,7 +143,7 @@ def _history(steps: Sequence[StepRecord]) -> list[Array]:
     forces = [[row.quantities[CONTACT_FORCE] for row in step.contacts] for step in steps]
     kinetic, stored = (
         np.array([step.quantities[name] for step in steps])
-        for name in ("kinetic_energy", STRAIN_ENERGY)
+        for name in (KINETIC_ENERGY, STRAIN_ENERGY)
     )
     pairs = (np.array(forces), np.array(forces)), (kinetic, kinetic + stored)
     return [found / (np.abs(of).max(initial=0.0) or 1.0) for found, of in pairs]
@@ -151,9 +156,9 @@ def _error(before: Sequence[Array], steps: Sequence[StepRecord]) -> float:
 
 def _left_out(steps: Sequence[StepRecord]) -> float:
     """The largest kinetic energy that no mode has, over the largest energy."""
-    names = "kinetic_energy", STRAIN_ENERGY
+    names = KINETIC_ENERGY, STRAIN_ENERGY
     energies = [sum(step.quantities[name] for name in names) for step in steps]
-    left = max(step.quantities["left_out_kinetic_energy"] for step in steps)
+    left = max(step.quantities[LEFT_OUT_KINETIC_ENERGY] for step in steps)
     return float(left / (max(energies) or 1.0))
 
 

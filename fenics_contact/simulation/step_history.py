@@ -19,6 +19,7 @@ from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.quantities import global_quantities, preload_records, support_records
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import SLIP_SHARE
 from fenics_contact.results.records.contacts import StepContact
 from fenics_contact.results.records.slip_limit import SlipLimitRecord
 from fenics_contact.results.records.steps import Largest, LoadRecord, StepRecord
@@ -288,7 +289,7 @@ class StepHistory(Generic[_Forces]):
         contact = self._problem.contacts[number]
         if not contact.friction.has_friction:
             return {}
-        return {"slip_share": share_of_contact(contact, solution.states[number])}
+        return {SLIP_SHARE: share_of_contact(contact, solution.states[number])}
 
     @cached_property
     def _linear_range(self) -> LinearRange:

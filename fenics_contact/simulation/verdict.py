@@ -11,7 +11,7 @@ from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.existence.slip_shares import HELD, slip_shares
 from fenics_contact.problem.problem import Problem
-from fenics_contact.quantities.names import CONTACT_AREA
+from fenics_contact.quantities.names import CONTACT_AREA, SLIP_SINCE_PAIRING
 from fenics_contact.results.check_messages import failure
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
@@ -253,7 +253,7 @@ def slid_far(steps: list[StepRecord]) -> str:
     found: dict[str, float] = {}
     for step in steps:
         for contact in step.contacts:
-            slid = contact.quantities.get("slip_since_pairing", 0.0)
+            slid = contact.quantities.get(SLIP_SINCE_PAIRING, 0.0)
             found[contact.name] = max(slid, found.get(contact.name, 0.0))
     far = [f"'{name}' by {slid:.2g}" for name, slid in found.items() if slid > _FAR]
     if not far:

@@ -13,6 +13,7 @@ from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import STICK, ContactState
+from fenics_contact.quantities.names import MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.results.point_arrays import PointArray
 
 
@@ -102,7 +103,7 @@ class Archard(Unworn):
         """
         depth, trace = state.own["worn_depth"], self.site.trace
         volume, deepest = float(trace.integral(depth)), largest(trace.spaces.comm, depth)
-        found = {"worn_volume": volume, "max_wear_depth": deepest}
+        found = {WORN_VOLUME: volume, MAX_WEAR_DEPTH: deepest}
         for side, share in self._shares.items():
             found |= {f"worn_volume_{side}": share * volume}
             found |= {f"max_wear_depth_{side}": share * deepest}

@@ -17,6 +17,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.inertia.massless import ContactMasses
+from fenics_contact.quantities.names import LEFT_OUT_KINETIC_ENERGY
 
 # Vectors whose momenta are kept: those of a step, and the velocity at its begin.
 _KNOWN = 4
@@ -93,7 +94,7 @@ class ModalMasses:
         own = slice(self._spaces.owned_nodes)
         moving = np.where(self._held, 0.0, self.split_motions(velocity)[0])
         work = np.sum(moving[own] * self._masses.times(moving)[own])
-        return {"left_out_kinetic_energy": float(0.5 * total(self._spaces.comm, work))}
+        return {LEFT_OUT_KINETIC_ENERGY: float(0.5 * total(self._spaces.comm, work))}
 
     def needed(self, left: Array, pressed: Array, slowed: Array) -> Array:
         """As of ``ContactMasses``; what supports hold is in no mode, and has no mass here.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.quantities.names import CLOSED_GAP
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.records.run import Outcome
@@ -77,7 +78,7 @@ def choose_view(body: UnstructuredGrid, result: Outcome, table: ContactTable) ->
     flat, axial = kinematics != "3D", kinematics == "axisymmetric"
     looks = marks(*result.contacts)
     pairs = [contact for contact in result.contacts if contact.master is not None]
-    gap = max((contact.quantities["closed_gap"] for contact in pairs), default=0.0)
+    gap = max((contact.quantities[CLOSED_GAP] for contact in pairs), default=0.0)
     hides = bool(pairs) and not flat
     front = np.zeros(3) if hides else _front(table)
     on_contact = body["status"] >= 0

@@ -11,9 +11,13 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.quantities.names import (
     CONTACT_AREA,
+    DAMPING_WORK,
+    ELASTIC_SLIP_ENERGY,
+    ENERGY_DEFECT,
     EXTERNAL_WORK,
     FRICTION_FORCE,
     FRICTION_WORK,
+    KINETIC_ENERGY,
     NORMAL_FORCE,
     PENALTY_ENERGY,
     PRESSURE_INTEGRAL,
@@ -205,17 +209,17 @@ def _energies(history: History, path: Path) -> Picture:
     """Work and where it went; below, what does not balance."""
     names = {
         EXTERNAL_WORK: "work done, $W$",
-        "kinetic_energy": "kinetic energy, $T$",
+        KINETIC_ENERGY: "kinetic energy, $T$",
         STRAIN_ENERGY: "strain energy, $E$",
         FRICTION_WORK: "dissipated, $D$",
-        "damping_work": "taken by damping, $D_v$",
+        DAMPING_WORK: "taken by damping, $D_v$",
         PENALTY_ENERGY: "in springs of contacts, $E_p$",
-        "elastic_slip_energy": "in elastic slip, $E_s$",
+        ELASTIC_SLIP_ENERGY: "in elastic slip, $E_s$",
     }
     known = history.steps[0].quantities
     names = {name: label for name, label in names.items() if known.get(name) is not None}
     largest = max(np.abs(history.quantity(name)).max() for name in names)
-    balances = "energy_defect" in known
+    balances = ENERGY_DEFECT in known
     figure, panels = over_time("Work and energies", [2.1, 1.1][: 1 + balances], history)
     for number, (name, label) in enumerate(names.items()):
         values = history.quantity(name)
@@ -224,10 +228,10 @@ def _energies(history: History, path: Path) -> Picture:
             line(panels[0], history.time, values, label, number)
     panels[0].set_ylabel(labelled("energy", "energy"))
     if balances:
-        line(panels[1], history.time, history.quantity("energy_defect"), "", 0)
-        sprung = " - E_s" if "elastic_slip_energy" in known else ""
-        brought, moving = ("T_0 + W", " - T$\n$") if "kinetic_energy" in known else ("W", "")
-        damped = " - D_v" if "damping_work" in known else ""
+        line(panels[1], history.time, history.quantity(ENERGY_DEFECT), "", 0)
+        sprung = " - E_s" if ELASTIC_SLIP_ENERGY in known else ""
+        brought, moving = ("T_0 + W", " - T$\n$") if KINETIC_ENERGY in known else ("W", "")
+        damped = " - D_v" if DAMPING_WORK in known else ""
         balance = f"${brought}{moving} - E - E_p{sprung} - D{damped}$"
         panels[1].set_ylabel(labelled(balance, "energy"))
     for panel in panels:

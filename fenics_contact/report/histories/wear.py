@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fenics_contact.quantities.names import MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.report.drawing.figures import legend_beside, plain, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import labelled
@@ -15,8 +16,8 @@ from fenics_contact.results.records.run import Outcome
 
 _HEIGHT = 1.6
 _PANELS = {
-    "worn_volume": ("worn volume, $V$", "volume"),
-    "max_wear_depth": ("deepest wear, $h$", "length"),
+    WORN_VOLUME: ("worn volume, $V$", "volume"),
+    MAX_WEAR_DEPTH: ("deepest wear, $h$", "length"),
 }
 
 
@@ -32,7 +33,7 @@ def draw_worn_history(folder: Path, result: Outcome) -> list[Picture]:
         contact.name: {name: history.of_contact(number, name) for name in _PANELS}
         for number, contact in enumerate(result.contacts)
     }
-    worn = {name: values for name, values in found.items() if values["worn_volume"] is not None}
+    worn = {name: values for name, values in found.items() if values[WORN_VOLUME] is not None}
     if len(history.steps) < 2 or not worn:
         return []
     figure, panels = over_time("Wear", [_HEIGHT] * len(_PANELS), history)

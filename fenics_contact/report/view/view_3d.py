@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.plain_text import one_line
+from fenics_contact.quantities.names import CLOSED_GAP
 from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
 from fenics_contact.report.bodies.view import choose_view
 from fenics_contact.report.contacts.film import frame_numbers
@@ -202,7 +203,7 @@ def _factors(view: View, result: Outcome) -> list[float]:
         return [0.0, 1.0]
     factor = _round(_MOVE * size / largest)
     pairs = [contact for contact in result.contacts if contact.master is not None]
-    gap = max((contact.quantities["closed_gap"] for contact in pairs), default=0.0)
+    gap = max((contact.quantities[CLOSED_GAP] for contact in pairs), default=0.0)
     return [0.0, 1.0, factor] if factor * gap <= _MISFIT * size else [0.0, 1.0]
 
 

@@ -15,14 +15,16 @@ from fenics_contact.quantities.names import (
     CONTACT_AREA,
     FRICTION_WORK,
     MAX_CONTACT_PRESSURE,
+    MAX_WEAR_DEPTH,
     STICK_AREA,
+    WORN_VOLUME,
 )
 from fenics_contact.results.contact_table import ContactTable
 
 HISTORY, PROFILES, PAGE = "wear.csv", "wear_profiles.csv", "wear.html"
 _COLUMNS = (
-    *("cycle", "passed_over", "worn_volume", "worn_volume_error"),
-    *("max_wear_depth", "max_wear_depth_error", "depth_over_width", FRICTION_WORK),
+    *("cycle", "passed_over", WORN_VOLUME, "worn_volume_error"),
+    *(MAX_WEAR_DEPTH, "max_wear_depth_error", "depth_over_width", FRICTION_WORK),
 )
 _OF_CONTACTS = (MAX_CONTACT_PRESSURE, CONTACT_AREA, STICK_AREA)
 _OF_POINTS = (

@@ -8,7 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from fenics_contact.common.atomic_files import replace_file
-from fenics_contact.quantities.names import FRICTION_WORK, MAX_CONTACT_PRESSURE
+from fenics_contact.quantities.names import (
+    FRICTION_WORK,
+    MAX_CONTACT_PRESSURE,
+    MAX_WEAR_DEPTH,
+    WORN_VOLUME,
+)
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units, with_unit
@@ -26,7 +31,7 @@ _MOST_ROWS = 20
 _STEEP = 0.1
 # What columns of the history measure.
 _PEAK = MAX_CONTACT_PRESSURE
-_MEASURES = {"worn_volume": "volume", "max_wear_depth": "length"}
+_MEASURES = {WORN_VOLUME: "volume", MAX_WEAR_DEPTH: "length"}
 
 
 def write_wear_page(folder: Path) -> Path:
@@ -89,8 +94,8 @@ def _with_bar(history: WornHistory, name: str, place: int) -> str:
 def _outcome(history: WornHistory) -> str:
     """What is worn in the end."""
     return (
-        f"After {history.cycles[-1]} cycles a volume of {_with_bar(history, 'worn_volume', -1)} "
-        f"is worn, at the deepest {_with_bar(history, 'max_wear_depth', -1)}."
+        f"After {history.cycles[-1]} cycles a volume of {_with_bar(history, WORN_VOLUME, -1)} "
+        f"is worn, at the deepest {_with_bar(history, MAX_WEAR_DEPTH, -1)}."
     )
 
 
@@ -126,8 +131,8 @@ def _row(history: WornHistory, place: int) -> list[str]:
     return [
         str(history.cycles[place]),
         f"{history.columns['passed_over'][place]:.0f}",
-        _with_bar(history, "worn_volume", place),
-        _with_bar(history, "max_wear_depth", place),
+        _with_bar(history, WORN_VOLUME, place),
+        _with_bar(history, MAX_WEAR_DEPTH, place),
         *(
             with_unit(float(values[place]), measured)
             for values, measured in (

@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.quantities.names import CONTACT_AREA, MAX_CONTACT_PRESSURE
+from fenics_contact.quantities.names import (
+    CONTACT_AREA,
+    MAX_CONTACT_PRESSURE,
+    MAX_WEAR_DEPTH,
+    WORN_VOLUME,
+)
 from fenics_contact.report.contacts.line import positions
 from fenics_contact.report.drawing.charts import Cylinder, chart_of
 from fenics_contact.report.drawing.figures import legend_beside, new_figure, save, style
@@ -63,8 +68,8 @@ def _over_cycles(history: WornHistory, path: Path) -> Picture:
     )  # fmt: skip
     x, mark = history.cycles, "." if len(history.cycles) <= 60 else ""
     for panel, name, words, unit in (
-        (panels[0], "worn_volume", "worn volume, $V$", "volume"),
-        (panels[1], "max_wear_depth", "deepest wear, $h$", "length"),
+        (panels[0], WORN_VOLUME, "worn volume, $V$", "volume"),
+        (panels[1], MAX_WEAR_DEPTH, "deepest wear, $h$", "length"),
     ):
         values, bars = history.columns[name], history.columns[f"{name}_error"]
         band = {"color": LINES[0][0], "alpha": 0.25, "linewidth": 0}
@@ -107,7 +112,7 @@ def _areas(panel: Axes, history: WornHistory, number: int) -> None:
 
 def _chosen(history: WornHistory) -> Integers:
     """Places of the cycles whose profiles are drawn: the first and the last, between by volume."""
-    volume = history.columns["worn_volume"]
+    volume = history.columns[WORN_VOLUME]
     wanted = np.linspace(volume[0], volume[-1], _MOST_PROFILES)
     found = np.abs(volume[:, None] - wanted).argmin(axis=0)
     return np.unique([0, *found, len(volume) - 1])

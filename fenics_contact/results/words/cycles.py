@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fenics_contact.quantities.names import MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.results.records.cycles import CycleRecord, CyclesRecord, WornCycleEnd
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words
@@ -39,8 +40,8 @@ def _worn_words(computed: int, number: int, worn: WornCycleEnd) -> str:
     errors = worn.errors
     return (
         f" {number} cycles wear, of which {computed} were computed; passing over the others may be "
-        f"off by {errors['worn_volume']:.2g} in the worn volume, and by "
-        f"{errors['max_wear_depth']:.2g} in the deepest wear."
+        f"off by {errors[WORN_VOLUME]:.2g} in the worn volume, and by "
+        f"{errors[MAX_WEAR_DEPTH]:.2g} in the deepest wear."
     )
 
 
@@ -103,8 +104,8 @@ def _worn_rows(each: list[CycleRecord], units: UnitsRecord | None) -> list[list[
                 f"{worn.pressure_change:.2g}",
                 f"{sum(worn.stick_areas.values()):.4g}",
                 f"{worn.depth_over_width:.2g}",
-                f"{worn.errors['worn_volume']:.2g}",
-                f"{worn.errors['max_wear_depth']:.2g}",
+                f"{worn.errors[WORN_VOLUME]:.2g}",
+                f"{worn.errors[MAX_WEAR_DEPTH]:.2g}",
             ]
         )
     return rows

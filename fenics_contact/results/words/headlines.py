@@ -14,6 +14,7 @@ from fenics_contact.quantities.names import (
     MAX_SLIP,
     NORMAL_FORCE,
     PRESSURE_INTEGRAL,
+    SLIP_SHARE,
 )
 from fenics_contact.quantities.table import QuantityValue, measured_by
 from fenics_contact.results.quantities import idle_quantities
@@ -107,9 +108,9 @@ class _Words:
 
 def _share(contact: ContactRecord) -> str:
     """How much of what friction can hold it does; empty of files before that was written."""
-    if "slip_share" not in contact.quantities:
+    if SLIP_SHARE not in contact.quantities:
         return ""
-    share = contact.quantities["slip_share"]
+    share = contact.quantities[SLIP_SHARE]
     return "-" if share is None else _percent(share)
 
 

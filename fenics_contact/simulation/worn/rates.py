@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.quantities.names import MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.newton.solution import Solution
 
@@ -68,5 +69,5 @@ class Progress:
             rates: Of it.
             before: Works of friction on the way to it (energy).
         """
-        none = dict.fromkeys(("worn_volume", "max_wear_depth"), 0.0)
+        none = dict.fromkeys((WORN_VOLUME, MAX_WEAR_DEPTH), 0.0)
         return cls(rates, rates, before, 1, 0, 0.0, none)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.errors import InputError
+from fenics_contact.quantities.names import MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.scene.loading.load_paths import require_back
 from fenics_contact.scene.scene import Scene
@@ -50,12 +51,12 @@ class WornCycle:
     @property
     def worn_volume(self) -> float:
         """Of all contacts (volume)."""
-        return float(sum(found.get("worn_volume", 0.0) for found in self.contacts))
+        return float(sum(found.get(WORN_VOLUME, 0.0) for found in self.contacts))
 
     @property
     def max_wear_depth(self) -> float:
         """The deepest (length)."""
-        return float(max(found.get("max_wear_depth", 0.0) for found in self.contacts))
+        return float(max(found.get(MAX_WEAR_DEPTH, 0.0) for found in self.contacts))
 
 
 def one_cycle(scene: Scene, begin: float | None, cycles: int | None) -> tuple[Scene, float, int]:

@@ -22,7 +22,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.quantities import contact_points
-from fenics_contact.quantities.names import FRICTION_WORK
+from fenics_contact.quantities.names import FRICTION_WORK, MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.scene.loading.jumps import Jumps
 from fenics_contact.scene.steps import Steps
 from fenics_contact.simulation.worn.rates import Progress, Rates
@@ -251,8 +251,8 @@ class WornCycles(StepListener):
         """Volume of depths of each contact, and the largest of them."""
         pairs = list(zip(self._contacts, depths, strict=True))
         return {
-            "worn_volume": sum(float(one.trace.integral(depth)) for one, depth in pairs),
-            "max_wear_depth": max(largest(self._comm, depth) for depth in depths),
+            WORN_VOLUME: sum(float(one.trace.integral(depth)) for one, depth in pairs),
+            MAX_WEAR_DEPTH: max(largest(self._comm, depth) for depth in depths),
         }
 
     def _next_size(self, found: _Ahead, ahead: int) -> int:

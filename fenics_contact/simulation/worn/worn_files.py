@@ -16,8 +16,10 @@ from fenics_contact.quantities.names import (
     CONTACT_AREA,
     FRICTION_WORK,
     MAX_CONTACT_PRESSURE,
+    MAX_WEAR_DEPTH,
     NORMAL_FORCE,
     STICK_AREA,
+    WORN_VOLUME,
 )
 from fenics_contact.simulation.worn.worn_cycle import WornCycle
 
@@ -96,10 +98,10 @@ def _row(cycle: WornCycle) -> dict[str, Any]:
         "cycle": cycle.number,
         "passed_over": cycle.passed_over,
         "pressure_change": cycle.pressure_change,
-        "worn_volume": cycle.worn_volume,
-        "worn_volume_error": cycle.errors["worn_volume"],
-        "max_wear_depth": cycle.max_wear_depth,
-        "max_wear_depth_error": cycle.errors["max_wear_depth"],
+        WORN_VOLUME: cycle.worn_volume,
+        "worn_volume_error": cycle.errors[WORN_VOLUME],
+        MAX_WEAR_DEPTH: cycle.max_wear_depth,
+        "max_wear_depth_error": cycle.errors[MAX_WEAR_DEPTH],
         "depth_over_width": cycle.depth_over_width,
         FRICTION_WORK: cycle.friction_work,
         **_of_contacts(cycle),

@@ -13,6 +13,8 @@ from typing import Any
 
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
+    ELASTIC_SLIP_ENERGY,
+    ENERGY_DEFECT,
     EXTERNAL_WORK,
     FRICTION_WORK,
     PENALTY_ENERGY,
@@ -192,7 +194,7 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     if len(steps) > 1:  # what is measured is that of the last forces alone
         every = {key: row for key, row in rows.items() if isinstance(key, str)}
         none = {source for source, errors in found.items() if errors == {}}
-        defect = steps[-1]["quantities"].get("energy_defect")
+        defect = steps[-1]["quantities"].get(ENERGY_DEFECT)
         rows[EXTERNAL_WORK] = _of_work(every, defect, none)
     budget = ErrorBudget.of_rows(rows, len(problem.contacts), len(problem.applied_supports))
     return replace(budget, notes=notes, unbounded=why, local=estimates.local, coarse=coarse)
@@ -230,7 +232,7 @@ def _of_work(rows: Mapping[str, Row], defect: float | None, none: Set[str]) -> R
             where only sources that are not there make no error.
         none: These.
     """
-    names = (STRAIN_ENERGY, PENALTY_ENERGY, FRICTION_WORK, "elastic_slip_energy")
+    names = (STRAIN_ENERGY, PENALTY_ENERGY, FRICTION_WORK, ELASTIC_SLIP_ENERGY)
     parts = [rows[name] for name in names if name in rows]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
     if defect is None:
