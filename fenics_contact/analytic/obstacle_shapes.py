@@ -24,7 +24,7 @@ _TOWARDS = 1e-9
 
 @dataclass(frozen=True)
 class Sizes:
-    """Of an obstacle.
+    """Direction and lengths of an obstacle.
 
     Attributes:
         normal: Outward unit normal at the apex, (3,).
@@ -99,11 +99,11 @@ class FlatPunch(Plane):
         hit = np.isfinite(gap)
         reached = offsets + np.where(hit, gap, 0.0)[:, None] * rays
         aside = reached - np.outer(reached @ sizes.normal, sizes.normal)
-        gap[self._beside(np.linalg.norm(aside, axis=1), sizes)] = np.inf
+        gap[self._outside(np.linalg.norm(aside, axis=1), sizes)] = np.inf
         return gap
 
     @staticmethod
-    def _beside(distance: Array, sizes: Sizes) -> Flags:
+    def _outside(distance: Array, sizes: Sizes) -> Flags:
         radius = float(np.real(sizes.radius))
         margin = _EDGE * radius
         return np.asarray((distance > radius + margin) | (distance < sizes.inner_radius - margin))
@@ -146,7 +146,7 @@ class Parabola(Paraboloid):
 
 
 class Sphere(ObstacleShape):
-    """A sphere."""
+    """A full sphere, by its radius."""
 
     name = "sphere"
     models: ClassVar[tuple[str, ...]] = ("axisymmetric", "3D")
@@ -202,12 +202,12 @@ def unregister(name: str) -> None:
 
 
 def names() -> tuple[str, ...]:
-    """Of all shapes."""
+    """Names of all shapes, in the order in which they are listed."""
     return tuple(_SHAPES)
 
 
 def names_in(kinematics: str) -> list[str]:
-    """Of the shapes that a model has, by its kinematics."""
+    """Names of the shapes that models of some kinematics have."""
     return [name for name, shape in _SHAPES.items() if kinematics in shape.models]
 
 

@@ -168,7 +168,7 @@ class ContactSurface:
 
     @property
     def terms(self) -> list[NormalLaw | FrictionTerm]:
-        """Its forces that follow the jump."""
+        """Forces of the contact that follow the jump: of pressure, and of friction."""
         across: list[NormalLaw | FrictionTerm] = [self.normal] * self.normal.follows_jump
         return [*across, self.friction_term] if self.friction.has_friction else across
 

@@ -102,7 +102,7 @@ class LastStep:
         self.dissipated += work
 
     def leave_open(self, work: float) -> None:
-        """Count work of pressures whose gap was measured anew between steps (energy)."""
+        """Add work of pressures that a gap found again between load steps leaves open (energy)."""
         self.left_open += work
 
     def take_ends(self) -> None:

@@ -68,7 +68,7 @@ class CondensedForces(NeededForces):
 
     @classmethod
     def of(cls, system: CondensedSystem, solution: Solution) -> CondensedForces:
-        """Those of a solution, in the state of the system that has found it; collective."""
+        """Forces of a solution, in the state of the system that has found it; collective."""
         scalars = system.scalar_values(system.state)
         return cls(system.problem, solution, system.body, system.position(), scalars)
 

@@ -265,7 +265,7 @@ def radii(zones: Zones) -> dict[str, float | None]:
 
 
 def _radius(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float | None:
-    """Of the edge nearest to the axis, if what it encloses is inside; collective."""
+    """Radius of the edge nearest to the axis, if what it encloses is in the zone; collective."""
     comm, pieces = contact.spaces.comm, contact.trace.pieces
     flags = inside[pieces.points]
     cut = np.flatnonzero(flags[:, 0] != flags[:, 1])

@@ -37,12 +37,12 @@ class ContactAnswer:
 
     @property
     def contact(self) -> ContactSurface:
-        """The contact."""
+        """The surface in contact, by the number of the contact."""
         return self.problem.contacts[self.number]
 
     @property
     def state(self) -> ContactState:
-        """What happens at its points."""
+        """Pressures, slips and status at the contact points."""
         return self.solution.states[self.number]
 
     @cached_property
@@ -91,7 +91,7 @@ def unregister(name: str) -> None:
         name: Of the quantity.
     """
     del _REGISTERED[name]
-    table.remove(name)
+    table.unregister(name)
 
 
 def _resultants(answer: ContactAnswer) -> Mapping[str, Any]:

@@ -114,7 +114,7 @@ _WAYS: dict[Together, Callable[[Sequence[Any]], Any]] = {
 
 
 def _together(row: Quantity, found: Sequence[Any]) -> Any:
-    """What the values of contacts make of a quantity."""
+    """A quantity of the whole model from the values that its contacts have."""
     assert row.together is not None
     return _WAYS[row.together](found)
 
@@ -132,12 +132,12 @@ def contact_points(problem: Problem, solution: Solution) -> ContactPoints:
     rows = [_rows(number, problem, solution) for number in range(len(problem.contacts))]
     written = (*WRITTEN, *problem.own_arrays)
     widths = [2, 3, 3, *(len(array.columns) for array in written), 1]
-    table = np.concatenate(rows) if rows else np.zeros((0, sum(widths)))
-    table = gather_rows(problem.comm, table)
-    size = np.abs(table[:, 2:5]).max(initial=np.finfo(float).tiny)
-    order = np.lexsort((*np.round(table[:, [4, 3, 2]] / size, 9).T, table[:, 0]))
-    table = table[order]
-    codes, coordinates, normals, *arrays, weights = np.split(table, np.cumsum(widths)[:-1], axis=1)
+    points = np.concatenate(rows) if rows else np.zeros((0, sum(widths)))
+    points = gather_rows(problem.comm, points)
+    size = np.abs(points[:, 2:5]).max(initial=np.finfo(float).tiny)
+    order = np.lexsort((*np.round(points[:, [4, 3, 2]] / size, 9).T, points[:, 0]))
+    columns = np.split(points[order], np.cumsum(widths)[:-1], axis=1)
+    codes, coordinates, normals, *arrays, weights = columns
     found = {
         array.name: part if array.is_vector else part[:, 0]
         for array, part in zip(written, arrays, strict=True)

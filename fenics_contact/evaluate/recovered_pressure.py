@@ -35,7 +35,7 @@ def pressure_of_facets(contact: ContactSurface, state: ContactState) -> Array:
 
 
 def pressure_of_facets_transposed(contact: ContactSurface, values: Array) -> Array:
-    """What ``pressure_of_facets`` is transposed, (points,); collective.
+    """Values times the transposed matrix of ``pressure_of_facets``, (points,); collective.
 
     It is a projection in the least squares of the points' weights.
 

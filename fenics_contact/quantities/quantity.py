@@ -21,14 +21,17 @@ class Together(Enum):
 
 
 class Edge(Enum):
-    """What bounds an area on a contact surface."""
+    """An edge on a contact surface: where contact ends, or where sticking ends."""
 
     CONTACT = 0
     STICK = 1
 
 
 class Singular(Enum):
-    """What a quantity follows where stress has no bound, as beside a step of displacements."""
+    """The kind of quantity by which it converges, or not, where stress has no bound.
+
+    Stress has none beside a step of prescribed displacements, or at a pressed corner.
+    """
 
     RESULTANT = "a sum of tractions"
     PEAK = "the pressure's peak"
@@ -84,7 +87,7 @@ class Quantity:
 
     @property
     def whole(self) -> str:
-        """Of what the whole model's is made, in words; empty where contacts have none."""
+        """How the value of the whole model is made of those of contacts, in words; or empty."""
         return "" if self.together is None else self.together.value[self.is_of_some]
 
     @property

@@ -32,7 +32,7 @@ def register(quantity: Quantity) -> None:
     _TABLE[quantity.name] = quantity
 
 
-def remove(name: str) -> None:
+def unregister(name: str) -> None:
     """Take out a row that was registered.
 
     Args:
@@ -61,7 +61,7 @@ def with_true_value() -> tuple[str, ...]:
 
 
 def made_as(together: Together) -> tuple[Quantity, ...]:
-    """Those whose whole model's value follows from the contacts' in one way."""
+    """Quantities whose value of the whole model is made of the contacts' in one way."""
     return tuple(one for one in every() if one.together is together)
 
 
@@ -70,12 +70,12 @@ def resultants_of_contacts() -> tuple[str, ...]:
     return tuple(one.name for one in made_as(Together.OF_THE_ONLY))
 
 
-def asked_of_contacts() -> tuple[str, ...]:
+def names_for_contacts() -> tuple[str, ...]:
     """Names of those that a scene can ask of a contact by its name."""
     return tuple(one.name for one in every() if one.is_asked_for and one.together is not None)
 
 
-def asked_of_all() -> tuple[str, ...]:
+def names_for_model() -> tuple[str, ...]:
     """Names of those that a scene can ask of the whole model, but displacements of points."""
     return tuple(one.name for one in every() if one.is_asked_for and one.name != _POINT)
 
@@ -107,13 +107,7 @@ def is_vector(name: str) -> bool:
     return row is not None and row.is_vector
 
 
-def is_resultant_of_contact(name: str) -> bool:
-    """Whether the whole model has a quantity from its only contact, and several have not."""
-    row = find(name)
-    return row is not None and row.together is Together.OF_THE_ONLY
-
-
 def measured_by(name: str) -> str:
-    """What a quantity measures, such as ``stress``; empty of a pure number, or one not known."""
+    """Kind of unit of a quantity, such as ``stress``; empty for a pure number or unknown name."""
     row = find(name)
     return "" if row is None else row.unit

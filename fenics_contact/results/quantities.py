@@ -1,4 +1,4 @@
-"""What contacts and supports of a run say of its quantities."""
+"""Quantities of a run by its contacts and supports: which say something, and sums by name."""
 
 from __future__ import annotations
 

@@ -137,7 +137,7 @@ class Obstacle:
 
     @property
     def kind(self) -> ObstacleShape | None:
-        """What its shape decides; None without a shape."""
+        """The obstacle's shape as an object; None without a shape."""
         return None if self.shape is None else obstacle_shapes.shape_of(self.shape)
 
 

@@ -129,9 +129,9 @@ class QuantityNames:
 
     def _readings(self, owner: str) -> dict[str, list[QuantityName]]:
         """What each quantity of an owner may stand for: of points, names may end as components."""
-        quantities = list(table.asked_of_all()) if not owner else []
+        quantities = list(table.names_for_model()) if not owner else []
         quantities += [OF_POINTS + point for point in self.points] if not owner else []
-        quantities += table.asked_of_contacts() if owner in self.contacts else ()
+        quantities += table.names_for_contacts() if owner in self.contacts else ()
         quantities += _OF_SUPPORTS if owner in self.supports else ()
         quantities += OF_PRELOADS if owner in self.preloads else ()
         found: dict[str, list[QuantityName]] = {}
@@ -178,8 +178,8 @@ def looks_like_quantity(key: str) -> bool:
 
 
 def pattern_of_quantities() -> str:
-    """Of what can only be meant as a quantity by its name; also in the schema of scenes."""
-    return rf"\.|^{OF_POINTS}|^({'|'.join(table.asked_of_all())})(_[xyz])?$"
+    """Regular expression of keys that can only be names of quantities, for the schema, too."""
+    return rf"\.|^{OF_POINTS}|^({'|'.join(table.names_for_model())})(_[xyz])?$"
 
 
 def in_words(text: str) -> str:

@@ -269,7 +269,7 @@ class Run:
             return self._solve(StepsOfRun(*parts, state, saved, guess), saved)
 
     def _solve(self, taken: StepsOfRun, saved: SavedRun | None) -> Result:
-        """As ``solve``."""
+        """Take the load steps and put the result together; collective."""
         history, asked = self._history, self.scene.fretting
         begin_motion(self.problem, self.timings)
         history.begin([] if saved is None else saved.steps)

@@ -66,7 +66,7 @@ class EndOfRun:
 
 @dataclass(frozen=True)
 class RunListeners:
-    """Who is told on the way, and who may end it.
+    """Functions that a run calls while it takes load steps, and one that may end it.
 
     Attributes:
         announce: Called with number and record of every accepted step.

@@ -1,4 +1,4 @@
-"""What follows the jump at a contact, as solvers see it: forces and tangents."""
+"""Forces at a contact that depend on the displacement jump, and their tangents, for solvers."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class ContactForce:
 
     @property
     def neighbours(self) -> SurfaceAverage | None:
-        """What makes its forces at a point follow the jump at others; None where nothing does."""
+        """Average over neighbouring points by which forces depend on their jumps, too; or None."""
         return None
 
     def tangent_between_points(self) -> Array:

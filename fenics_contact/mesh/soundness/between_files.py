@@ -32,7 +32,7 @@ class BetweenFiles(Neighbours):
         self._pieces = self.file_of_cell
 
     def findings(self) -> Iterator[Finding]:
-        """Those that two files can make, one of a kind at the most."""
+        """Faults of cells of two files, one of a kind: the same cells, seams and overlaps."""
         yield from self._in_one_place()
         yield from self._seams()
         yield from self._overlaps()

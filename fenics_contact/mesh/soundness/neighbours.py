@@ -330,7 +330,7 @@ class Neighbours:
         return f"the elements {first} and {second}"
 
     def _are_compared(self, cells: Integers, others: Integers) -> Flags:
-        """Which pairs of cells are looked at."""
+        """Whether each pair of cells is compared, (pairs,); all of them here."""
         return np.ones(len(cells), dtype=bool)
 
     def _place(self, point: Array) -> str:

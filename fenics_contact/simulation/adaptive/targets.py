@@ -78,7 +78,7 @@ def _require_present(accuracy: Accuracy, run: Run) -> None:
     }
     for text in accuracy.asked([]):
         quantity = run.scene.names.find(text).quantity
-        lacks = "" if contacts or quantity not in table.asked_of_contacts() else "a contact"
+        lacks = "" if contacts or quantity not in table.names_for_contacts() else "a contact"
         lacks = lacks or missing.get(quantity, "")
         if lacks:
             raise InputError(f"accuracy: '{text}' needs {lacks}, which the scene has not")

@@ -219,7 +219,8 @@ class StateFile:
         scene = self._fingerprint(made_for.get("format", 1))
         if other := fingerprint.differences(scene, made_for["scene"]):
             raise self._refused(
-                f"the scene's {' and '.join(other)} differ; only steps, solver and title may"
+                f"the scene's {' and '.join(other)} differ; only how it is solved and what is "
+                "asked of its answer may"
             )
         if self._made_for["several"] != made_for["several"]:
             raise self._refused("of the two, one has a single load step and the other several")
@@ -227,7 +228,7 @@ class StateFile:
             raise self._refused("it is of another mesh")
 
     def _fingerprint(self, number: int) -> dict[str, str]:
-        """Of the scene, as a format has it; collective."""
+        """Fingerprint of the scene as state files of a format have it; collective."""
         if number == 1:
             return fingerprint.of_scene(self._scene, self._problem.body, keys_in_format_1)
         if number != _FORMAT:

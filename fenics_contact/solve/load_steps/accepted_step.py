@@ -87,7 +87,7 @@ class AcceptedStep:
 
     @property
     def time(self) -> float:
-        """Its pseudo-time."""
+        """Pseudo-time at the end of the load step."""
         return self.unknowns.time
 
 

@@ -1,4 +1,4 @@
-"""Whoever is told of load steps while they are taken, such as a history or a state file."""
+"""Listeners of load steps while these are taken, such as a history or a state file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 
 class StepListener:
-    """Is told of each load step that is accepted; a subclass overrides what it listens to.
+    """Listener of accepted load steps; a subclass overrides the events that it needs.
 
     What happens after the last step follows the call of ``LoadSteps.solve``: the system is still
     there then, and no listener is needed for it.

@@ -144,7 +144,7 @@ class Unbounded:
 
 
 def _follows(name: Hashable) -> Singular | None:
-    """What a quantity follows where stress has no bound."""
+    """The kind by which a quantity converges, or not, where stress has no bound; or None."""
     row = table.find(str(name))
     return None if row is None else row.singular
 

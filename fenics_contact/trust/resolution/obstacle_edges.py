@@ -23,7 +23,12 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import CONTACT_AREA, CONTACT_RADIUS
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.mesh.geometry import set_gap
-from fenics_contact.trust.error_estimates.solving_again import Measure, differences, last_step_again
+from fenics_contact.trust.error_estimates.solving_again import (
+    Measure,
+    Quantities,
+    differences,
+    last_step_again,
+)
 
 # Of a piece, where the obstacle of an answer ends, and what is not known of that.
 _ENDS, _UNKNOWN = 0.3, 0.15
@@ -49,7 +54,8 @@ def obstacle_edge_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashab
     for contact, state in zip(problem.contacts, solution.states, strict=True):
         beyond, share = _last_points(contact, state)
         if share > 0:
-            change = _shortened(load_steps, measure, contact, beyond)
+            other = _shortened(load_steps, measure, contact, beyond)
+            change = differences(answer, other)
             if change is None:
                 return None
             for key in found.keys() & change.keys():
@@ -59,7 +65,7 @@ def obstacle_edge_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashab
 
 
 def _last_points(contact: ContactSurface, state: ContactState) -> tuple[Array, float]:
-    """Points that touch beside an obstacle's edge, and what of their pieces counts; collective.
+    """Points that touch next to an obstacle's edge, and the share of a piece in doubt; collective.
 
     The second is 0 where there are none, and where nothing else touches.
     """
@@ -84,9 +90,8 @@ def _last_points(contact: ContactSurface, state: ContactState) -> tuple[Array, f
 
 def _shortened(
     load_steps: LoadSteps, measure: Measure, contact: ContactSurface, beyond: Array
-) -> dict[Hashable, float] | None:
-    """What changes as points of a contact have nothing before them; collective."""
-    assert load_steps.last is not None
+) -> Quantities | None:
+    """Quantities where no obstacle stands before some points; None without an answer."""
     before, time = contact.kinematics.gap, load_steps.time
 
     def shorten(problem: Problem) -> None:
@@ -94,7 +99,6 @@ def _shortened(
         set_gap(contact, np.where(beyond, np.inf, before))
 
     try:
-        answer = measure(load_steps.last.solution)
-        return differences(answer, last_step_again(load_steps, measure, shorten))
+        return last_step_again(load_steps, measure, shorten)
     finally:
         set_gap(contact, before)

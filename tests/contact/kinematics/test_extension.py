@@ -20,9 +20,9 @@ from fenics_contact import (
 )
 from fenics_contact.common.errors import SceneError
 from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
+from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.schema import scene_schema
 from tests.contact.kinematics import ellipse
-from tests.report.page.pages import page_of
 from tests.scenes import box_body, with_solver
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 
@@ -92,15 +92,19 @@ def test_forces_have_derivatives_by_its_numbers():
 
 
 @pytest.mark.serial
-def test_runs_go_on_with_it_and_pages_name_it(tmp_path):
+def test_runs_go_on_with_it(tmp_path):
     scene, body = pressed("ellipse", HALF_AXIS, steps=Steps(number=3)), square()
     whole = Run(scene, COMM, body).solve()
     stopped_after(scene, body, tmp_path, 1)
     found = resumed(scene, body, tmp_path)
     force, expected = (one.quantities["normal_force"] for one in (found, whole))
     assert force == pytest.approx(expected, rel=1e-8)
-    assert "normal force" in page_of(whole.as_dict())
+
+
+def test_editors_and_the_documentation_know_it():
     assert "ellipse" in str(scene_schema()["$defs"]["Obstacle"]["properties"]["shape"])
+    shape = next(key for key in keys_of(Obstacle) if key.name == "shape")
+    assert '`"ellipse"`' in shape.accepts
 
 
 def test_it_is_refused_where_it_does_not_fit():

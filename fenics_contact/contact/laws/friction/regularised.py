@@ -114,7 +114,7 @@ class RegularisedFriction(FrictionLaw):
         return {"bound": self.rule.metric.bound_along(self.bound, state.friction_traction)}
 
     def advance(self, state: ContactState) -> None:
-        """A load step is done: its rule goes by what it keeps from now on.
+        """Accept a load step: the rule takes the state at its end as the one to start from.
 
         Args:
             state: As of ``at_step_end``.
@@ -145,7 +145,10 @@ class RegularisedFriction(FrictionLaw):
         return {"slip": effective, "bound": self.bound, "epsilon": epsilon, **fields}
 
     def vjp(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
-        """By the second derivatives of g φ_ε; g follows the rule's fields and the pressure."""
+        """Vector-Jacobian product of the traction: the second derivatives of g φ_ε, transposed.
+
+        The bound g depends on the fields of the rule and on the pressure.
+        """
         values = self._values(slip)
 
         def of(name: str) -> Array:
@@ -168,19 +171,22 @@ class RegularisedFriction(FrictionLaw):
     def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
-        """By the transposed derivative of what its rule keeps."""
+        """Vector-Jacobian product of the state that the rule keeps at the end of a load step."""
         if not of_end:
             return super().vjp_state_update(slip, closed, of_end)
         return self.rule.vjp_state_update(self.effective_slip(slip), closed, of_end)
 
     def vjp_reference(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
-        """To the slip then, less what goes back, if the law is incremental."""
+        """Vector-Jacobian product of the reference slip: the slip at the end of the last load step.
+
+        An elastic part of it, which goes back, is left out; it is 0 unless the law is incremental.
+        """
         if not self.follows_path:
             return super().vjp_reference(of_reference)
         return of_reference, self.rule.vjp_carried_slip(0.0 - of_reference)
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of ε in itself, and of what its rule has."""
+        """Derivatives of ε and of the fields of the rule in a value of the scene."""
         if key == "regularisation_parameter":
             return {key: np.ones_like(self.bound)}
         return self.rule.field_slopes(key, unit)

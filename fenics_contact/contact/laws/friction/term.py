@@ -53,7 +53,7 @@ class FrictionTerm(ContactForce):
 
     @property
     def name(self) -> str:
-        """What is modelled where, for results."""
+        """Name of the friction law and of its contact, for results."""
         return self.law.name
 
     def follow_law(self) -> None:
@@ -132,7 +132,7 @@ class FrictionTerm(ContactForce):
 
     @cached_property
     def compiled_forms(self) -> FrictionForms:
-        """Its forms, each compiled when it is first asked for."""
+        """Compiled forms of friction; each is compiled when it is first asked for."""
         return FrictionForms(self.law, self.tangent_state)
 
     def _present_forms(self) -> FrictionForms:
@@ -203,7 +203,7 @@ class FrictionTerm(ContactForce):
         return self.law.neighbours
 
     def tangent_between_points(self) -> Array:
-        """What a bound that follows the pressures of neighbours adds; collective."""
+        """Tangent between points, of a bound that averages pressures of neighbours; collective."""
         neighbours = self.neighbours
         if neighbours is None:
             return super().tangent_between_points()

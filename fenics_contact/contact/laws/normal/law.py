@@ -179,7 +179,7 @@ class NormalLaw(ContactLaw, ContactForce):
         return np.zeros(len(jump))
 
     def vjp(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
-        """What a quantity's derivatives in its answers are in what it works on.
+        """Vector-Jacobian product: derivatives of a quantity in jump, gap and parameters.
 
         Args:
             jump: At the points, (points, components) (length).

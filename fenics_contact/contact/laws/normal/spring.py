@@ -259,7 +259,7 @@ class SpringLaw(NormalLaw):
         return self._at_points.value(**self._values(jump)) / self.softened
 
     def vjp(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
-        """By ψ's own derivatives, as its forces and tangents are."""
+        """Vector-Jacobian product, from the second derivatives of the energy ψ."""
         acts, values = self.acts(self.pressure(jump)), self._values(jump)
         factor = np.where(acts, 1 / self.softened, 0.0)
         across = factor * self.site.kinematics.normal(of_slopes)

@@ -178,7 +178,7 @@ def mesh_errors(
 
 
 def _in_places(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
-    """What is added in full, of answers in which single places are otherwise; collective.
+    """Errors of single places, each from an answer with another one, as a sum; collective.
 
     Where an obstacle ends between points it sinks in there as well: the larger of both counts.
 

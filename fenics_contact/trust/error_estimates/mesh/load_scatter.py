@@ -230,7 +230,7 @@ def _about_polynomials(
 def _left_of_waves(
     problem: Problem, edges: Sequence[Edge], rows: Sequence[tuple[float, Quantities]]
 ) -> float:
-    """What a polynomial leaves of the waves that facets make, at the least of what counts.
+    """Share of the waves that facets make which a polynomial does not follow, .45 at the least.
 
     Args:
         problem: The model.

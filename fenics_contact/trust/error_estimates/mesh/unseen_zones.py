@@ -132,7 +132,7 @@ def _of_contact(contact: ContactSurface, state: ContactState) -> dict[str, float
 
 
 def _slipping_share(used: Array, closed: Flags) -> Array:
-    """Of the length of each piece, what may slip at its end that is nearest to it, (pieces,).
+    """Share of each piece of the surface that may slip at one of its ends, (pieces,).
 
     Args:
         used: Friction over its bound at the corners, (pieces, corners).
