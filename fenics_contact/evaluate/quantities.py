@@ -98,19 +98,28 @@ def of_all_contacts(contacts: list[dict[str, Any]]) -> dict[str, Any]:
     Args:
         contacts: Of each contact.
     """
+    names = list(dict.fromkeys(name for found in contacts for name in found))
+    rows = [row for row in table.every() if row.together in _WAYS and _has(row, contacts)]
+    rows.sort(key=lambda row: names.index(row.name) if row.name in names else len(names))
+    rows.sort(key=lambda row: _ORDER.index((row.together, row.is_of_some)))
     return {
         row.name: _together(row, [found[row.name] for found in contacts if row.name in found])
-        for row in table.every()
-        if row.together in _WAYS and _has(row, contacts)
+        for row in rows
     }
 
 
 _WAYS: dict[Together, Callable[[Sequence[Any]], Any]] = {
     Together.OF_THE_ONLY: lambda found: found[0] if len(found) == 1 else None,
-    Together.OF_THE_ONE: lambda found: found[0],
-    Together.SUM: lambda found: float(sum(found)),
     Together.LARGEST: lambda found: float(max(found, default=0.0)),
+    Together.SUM: lambda found: float(sum(found)),
+    Together.OF_THE_ONE: lambda found: found[0],
 }
+# Of the columns of ``steps.csv``, on which scripts may rely.
+_ORDER: tuple[tuple[Together | None, bool], ...] = (
+    *((way, False) for way in (Together.OF_THE_ONLY, Together.LARGEST, Together.SUM)),
+    *((way, True) for way in (Together.OF_THE_ONLY, Together.SUM, Together.LARGEST)),
+    *((Together.OF_THE_ONE, is_of_some) for is_of_some in (False, True)),
+)
 
 
 def _together(row: Quantity, found: Sequence[Any]) -> Any:
