@@ -13,15 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.common.parallel import gather_rows, largest, total
+from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
-from fenics_contact.evaluate.recovered_pressure import pressure_of_facets
 
 # Share of the normal force that too few points may carry.
 _LARGEST_SHARE = 0.1
-# Share of the peak from which a point counts as one that touches, whatever it is itself.
-_PRESSED = 0.1
 # What cells become there, over what they are: of one point across three.
 _FINER = 0.3
 
@@ -50,10 +47,7 @@ def thin_contact(contact: ContactSurface, state: ContactState) -> ThinContact | 
         return None
     trace, pieces = contact.trace, contact.trace.pieces
     nodes = slice(0, len(contact.nodes))
-    # A point between others that press may stay open: kinks between quadratic triangles do that.
-    pressure = pressure_of_facets(contact, state)
-    pressed = pressure > _PRESSED * largest(trace.spaces.comm, pressure)
-    closed = ((state.status != OPEN) | pressed)[nodes]
+    closed = state.status[nodes] != OPEN
     thin = closed & ~_near_surrounded(contact, closed)
     forces = (trace.weights * state.contact_pressure)[nodes] * contact.owned_nodes
     in_thin, whole = total(trace.spaces.comm, np.array([forces[thin].sum(), forces.sum()]))
