@@ -36,7 +36,16 @@ class SpringControl:
     """The springs of one solve."""
 
     def __init__(self) -> None:
-        self._share = _FIRST
+        self._share = self._last = _FIRST
+
+    @property
+    def held_back(self) -> bool:
+        """Whether springs that were more than next to nothing were in the last step."""
+        return self._last > _FACTOR * _SOFTEST
+
+    def release(self) -> None:
+        """Leave next to nothing of the springs from now on."""
+        self._share = 0.0
 
     def share(self, imbalances: Sequence[float], forces: float) -> float:
         """Stiffness of the springs in the step that comes now, over that of the body.
@@ -51,4 +60,5 @@ class SpringControl:
         elif earlier and present > _FALLS * earlier[-1]:
             self._share = max(self._share / _FACTOR, _SOFTEST)
         near = present / (_NEAR * forces) if forces > 0 else 1.0
-        return max(self._share * min(near, 1.0), _SOFTEST)
+        self._last = max(self._share * min(near, 1.0), _SOFTEST)
+        return self._last

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from fenics_contact import main
 from fenics_contact.solve.newton.spring_control import SpringControl
 from fenics_contact.solve.systems.step_springs import sprung
 
@@ -33,3 +34,9 @@ def test_they_vanish_with_the_imbalance():
     control = SpringControl()
     far = control.share([10.0], 1.0)
     assert control.share([10.0, 1e-6], 1.0) == pytest.approx(1e-3 * far)
+
+
+@pytest.mark.serial
+def test_answers_are_as_exact_as_without_springs():
+    """Uniform pressures on cells of very different sizes: forces alone are balanced earlier."""
+    assert main(["verify", "--hard", "graded_1e+06", "pair_patch_against"]) == 0
