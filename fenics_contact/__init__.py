@@ -23,8 +23,8 @@ if TYPE_CHECKING:
         NotConvergedError,
     )
     from fenics_contact.contact.laws.allowed import allow_laws
-    from fenics_contact.contact.laws.friction.rules.own_bound import OwnFriction
-    from fenics_contact.contact.laws.normal.own_energy import OwnEnergy
+    from fenics_contact.contact.laws.friction.rules.own_bound import OwnFriction, UserFriction
+    from fenics_contact.contact.laws.normal.own_energy import OwnEnergy, UserContactEnergy
     from fenics_contact.explore.exploration import Exploration
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.contact_points import ContactPoints
@@ -132,6 +132,8 @@ __all__ = [
     "Study",
     "Support",
     "Units",
+    "UserContactEnergy",
+    "UserFriction",
     "Wear",
     "WornCycle",
     "allow_laws",
@@ -154,8 +156,8 @@ _MODULES = {
         "NotConvergedError",
     ),
     "contact.laws.allowed": ("allow_laws",),
-    "contact.laws.friction.rules.own_bound": ("OwnFriction",),
-    "contact.laws.normal.own_energy": ("OwnEnergy",),
+    "contact.laws.friction.rules.own_bound": ("OwnFriction", "UserFriction"),
+    "contact.laws.normal.own_energy": ("OwnEnergy", "UserContactEnergy"),
     "explore.exploration": ("Exploration",),
     "mesh.tagged_mesh": ("Body", "Group"),
     "results.contact_points": ("ContactPoints",),

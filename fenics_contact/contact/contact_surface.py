@@ -265,21 +265,21 @@ class ContactSurface:
         if self.normal.has_counterpart and self.normal.pressure_is_known:
             self.kinematics.touch()
 
-    def slid_share(self) -> float:
+    def relative_sliding(self) -> float:
         """Slip of two bodies since it was found what faces what, over the size of the contact.
 
         Collective; 0 against an obstacle.
         """
-        return self.kinematics.slid_share(self.pressure() > 0)
+        return self.kinematics.relative_sliding(self.pressure() > 0)
 
-    def pair_anew(self, displacement: Array | None) -> None:
+    def update_pairing(self, displacement: Array | None) -> None:
         """Find anew which points of two bodies face each other; collective.
 
         Args:
             displacement: Of a load step, at the body's nodes of this rank; None as meshed
                 (length).
         """
-        self.kinematics.pair_anew(displacement)
+        self.kinematics.update_pairing(displacement)
         self.normal.set_gap(self.kinematics.gap)
         slip = self.kinematics.tangential(self.kinematics.jump_at_points())
         self.friction.accept(slip)

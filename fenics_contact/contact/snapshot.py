@@ -58,7 +58,7 @@ def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
     """Pair two bodies as they were; whether they were paired otherwise; collective."""
     if contact.kinematics.paired_at is memory.paired_at:
         return False
-    contact.pair_anew(memory.paired_at)
+    contact.update_pairing(memory.paired_at)
     return True
 
 

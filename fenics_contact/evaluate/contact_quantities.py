@@ -177,7 +177,7 @@ def slid(contact: ContactSurface) -> dict[str, float]:
     """How far two bodies slid since it was found what faces what, if they do; collective."""
     if contact.sides.opposite is None:
         return {}
-    return {names.SLIP_SINCE_PAIRING: contact.slid_share()}
+    return {names.SLIP_SINCE_PAIRING: contact.relative_sliding()}
 
 
 def _motion(answer: ContactAnswer) -> Mapping[str, Any]:

@@ -15,7 +15,8 @@ Modes Motion MotionModes NoEquilibriumError NonlocalFriction NormalCompliance No
 Objective Obstacle OrthotropicFriction OwnEnergy OwnFriction OwnFrictionLaw OwnNormalLaw Path
 Point Preload PressureDependentFriction PressureFormula Profile Rayleigh Result Run Scene
 SlipDependentFriction SolverSettings SpeedDependentFriction Stability Steps StrainLifeLine Study
-Support Units Wear WornCycle allow_laws fit load_scene main run run_and_keep run_script
+Support Units UserContactEnergy UserFriction Wear WornCycle allow_laws fit load_scene main run
+run_and_keep run_script
 """
 # Keys of the tables of a scene, in the order in which Python takes their values.
 KEYS = """
@@ -85,6 +86,11 @@ def tables_below(table):
 def test_every_public_name_is_kept():
     """What is given another name keeps the old one as an alias."""
     assert [name for name in NAMES.split() if not hasattr(fenics_contact, name)] == []
+
+
+def test_earlier_names_are_those_of_the_same_classes():
+    assert fenics_contact.OwnFriction is fenics_contact.UserFriction
+    assert fenics_contact.OwnEnergy is fenics_contact.UserContactEnergy
 
 
 def test_every_key_of_a_scene_is_kept_in_its_order():

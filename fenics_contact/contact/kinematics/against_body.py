@@ -84,7 +84,7 @@ class BodyKinematics(ContactKinematics):
         super().require_one_sided(key)
         require_smooth(self._opposite, f"{key}.against")
 
-    def pair_anew(self, displacement: Array | None) -> None:
+    def update_pairing(self, displacement: Array | None) -> None:
         """Find what faces what on the displaced bodies; collective.
 
         Args:
@@ -101,7 +101,7 @@ class BodyKinematics(ContactKinematics):
         self.move(self.relative(present))
         self._face()
 
-    def slid_share(self, closed: Flags) -> float:
+    def relative_sliding(self, closed: Flags) -> float:
         """Slip since it was found what faces what, over the size of the contact; collective.
 
         Args:

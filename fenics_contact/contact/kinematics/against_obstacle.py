@@ -301,5 +301,5 @@ class ObstacleKinematics(ContactKinematics):
         jump = self.jump.x.array.reshape(-1, self._spaces.components)
         self.move(jump + self.motion, self.indentation + nearest)
 
-    def pair_anew(self, displacement: Array | None) -> None:
+    def update_pairing(self, displacement: Array | None) -> None:
         """An obstacle is measured where it stands, whatever the body does."""

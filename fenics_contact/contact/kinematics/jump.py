@@ -162,7 +162,7 @@ class ContactKinematics(ABC):
         """Drive an obstacle until it just touches the body; collective."""
 
     @abstractmethod
-    def pair_anew(self, displacement: Array | None) -> None:
+    def update_pairing(self, displacement: Array | None) -> None:
         """Find what faces what on the displaced bodies; collective.
 
         Args:
@@ -185,7 +185,7 @@ class ContactKinematics(ABC):
         self._drawn = drawn
         self.overlap_by(self.interference, self.worn)
 
-    def slid_share(self, closed: Flags) -> float:
+    def relative_sliding(self, closed: Flags) -> float:
         """Slip since it was found what faces what, over the size of the contact; collective.
 
         Args:

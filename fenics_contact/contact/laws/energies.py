@@ -14,7 +14,7 @@ import ufl
 from fenics_contact.body.forms import Expr, Form, Measure
 
 # How friction feels a vector along the surface: M s of a slip s, linear and symmetric.
-Felt = Callable[[Expr], Expr]
+Scaling = Callable[[Expr], Expr]
 
 
 def as_it_is(vector: Expr) -> Expr:
@@ -36,7 +36,7 @@ def coulomb_residual(
     direction: Expr,
     weight: Expr | float,
     measure: Measure,
-    felt: Felt = as_it_is,
+    scaled: Scaling = as_it_is,
 ) -> Form:
     """∫ μ p(w_n) q · M v_T: its derivative couples the bound to the pressure.
 
@@ -50,9 +50,9 @@ def coulomb_residual(
         direction: q, a coefficient.
         weight: Factor of the integral (2πr where axisymmetric).
         measure: Measure of the contact surface.
-        felt: M, how friction feels slip.
+        scaled: M, how friction feels slip.
     """
-    moved = felt(tangential(test, normal))
+    moved = scaled(tangential(test, normal))
     return weight * friction_bound * ufl.dot(direction, moved) * measure
 
 
@@ -92,7 +92,7 @@ def friction_energy(
     regularisation_parameter: Expr,
     weight: Expr | float,
     measure: Measure,
-    felt: Felt = as_it_is,
+    scaled: Scaling = as_it_is,
 ) -> Form:
     """j_ε(v) = ∫ g φ_ε(M v_T) (paper, (2.7), where M = 1).
 
@@ -103,9 +103,9 @@ def friction_energy(
         regularisation_parameter: ε (length).
         weight: Factor of the integral (2πr where axisymmetric).
         measure: Measure of the contact surface.
-        felt: M, how friction feels slip.
+        scaled: M, how friction feels slip.
     """
-    slip = felt(tangential(jump, normal))
+    slip = scaled(tangential(jump, normal))
     return weight * friction_bound * smoothed_norm(slip, regularisation_parameter) * measure
 
 
@@ -119,7 +119,7 @@ def primal_dual_residual(
     length: Expr,
     weight: Expr | float,
     measure: Measure,
-    felt: Felt = as_it_is,
+    scaled: Scaling = as_it_is,
 ) -> Form:
     """A form whose derivative in the jump is the primal-dual tangent of j_ε.
 
@@ -137,8 +137,8 @@ def primal_dual_residual(
         length: max(|M u_T|, ε) at the present state, a coefficient (length).
         weight: Factor of the integral (2πr where axisymmetric).
         measure: Measure of the contact surface.
-        felt: M, how friction feels slip.
+        scaled: M, how friction feels slip.
     """
-    slip, moved = felt(tangential(jump, normal)), felt(tangential(test, normal))
+    slip, moved = scaled(tangential(jump, normal)), scaled(tangential(test, normal))
     defect = slip - direction * smoothed_length(slip, regularisation_parameter)
     return weight * friction_bound / length * ufl.dot(defect, moved) * measure

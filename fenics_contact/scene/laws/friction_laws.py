@@ -300,7 +300,7 @@ class OwnFrictionLaw(FrictionLawTable):
     'my_laws:Saturated: p0 50'
     """
 
-    kind: Annotated[ClassName, Field(description="`MODULE:CLASS`, derived from `OwnFriction`")]
+    kind: Annotated[ClassName, Field(description="`MODULE:CLASS`, derived from `UserFriction`")]
     parameters: Parameters = Field(default_factory=dict)
 
 

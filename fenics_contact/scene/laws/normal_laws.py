@@ -66,7 +66,9 @@ class OwnNormalLaw(NormalLawTable):
     'my_laws:Springs'
     """
 
-    kind: Annotated[ClassName, Field(description="`MODULE:CLASS`, derived from `OwnEnergy`")]
+    kind: Annotated[
+        ClassName, Field(description="`MODULE:CLASS`, derived from `UserContactEnergy`")
+    ]
     parameters: Parameters = Field(default_factory=dict)
 
 

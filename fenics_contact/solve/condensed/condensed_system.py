@@ -106,7 +106,7 @@ class CondensedSystem(System):
         self._sprung = sprung(np.array(motions).T)
         self.is_sprung = bool(self._sprung.size)
 
-    def pair_anew(self) -> None:
+    def update_pairing(self) -> None:
         """Take what faces what anew, without another factorisation of the bulk; collective."""
         values = self._values(self.state)
         count = self.variables.count

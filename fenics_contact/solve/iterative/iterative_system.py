@@ -278,7 +278,7 @@ class IterativeSystem(BodySystem):
         found[mine] = self._carried.carry(whole, inside)[places[mine]]
         return found
 
-    def pair_anew(self) -> None:
+    def update_pairing(self) -> None:
         """Take what carries what and the zone anew; tangents see it by themselves; collective."""
         self._carried = CarriedSlaves(self.problem, self.contacts)
         self._on_contacts = on_contacts(self.problem)

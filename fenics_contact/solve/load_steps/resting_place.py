@@ -77,7 +77,7 @@ class RestingPlace:
                 contact.last_step.begin_cycle()
             # A guess of what the next step needs.
             follow_pressure(contact, last.solution.imbalance_limit)
-        self.newton.begin.pair_anew(last.solution)
+        self.newton.begin.update_pairing(last.solution)
         self._has_moved_on = True
 
     def _begins_cycle(self, time: float) -> bool:

@@ -84,25 +84,25 @@ class Beginning:
         self._system.follow_supports()
         self._problem.stick_all()
 
-    def pair_anew(self, last: Solution) -> None:
+    def update_pairing(self, last: Solution) -> None:
         """Follow bodies that slid along each other in the last load step; collective.
 
         Args:
             last: Of the step, whose state is the present one.
         """
-        slid = [c for c in self._problem.contacts if c.slid_share() > _SLID]
+        slid = [c for c in self._problem.contacts if c.relative_sliding() > _SLID]
         self.paired_anew = bool(slid)
         moved = self._system.at_contacts(last.find_body) if slid else None
         for contact in slid:
             logger.debug("  '%s': finding anew what faces what", contact.label)
-            contact.pair_anew(moved)
+            contact.update_pairing(moved)
         if slid:
             self.follow_pairing()
 
     def follow_pairing(self) -> None:
         """Take what faces what as the contacts know it now; collective."""
         with self._timings.phase("assemble"):
-            self._system.pair_anew()
+            self._system.update_pairing()
 
     def is_out_of_touch(self) -> bool:
         """Whether nothing presses on an obstacle that a force drives, or nowhere; collective."""

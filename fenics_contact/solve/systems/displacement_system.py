@@ -73,7 +73,7 @@ class BodySystem(System):
         self.hold_scalars()
         self.take(self.state)
 
-    def pair_anew(self) -> None:
+    def update_pairing(self) -> None:
         """Tangents see it by themselves."""
 
     def take(self, state: PETSc.Vec) -> None:

@@ -124,7 +124,7 @@ class System(ABC):
         """What finds the body's displacement in the present state; collective."""
 
     @abstractmethod
-    def pair_anew(self) -> None:
+    def update_pairing(self) -> None:
         """Take what faces what as the contacts of bodies know it now; collective."""
 
     @abstractmethod

@@ -157,5 +157,8 @@ def _handed_over(forces: NeededForces, contact: ContactSurface, nodal: Array) ->
     # By value, sides that touch are as far apart as they overlap.
     drawn = np.abs(contact.kinematics.distance_as_drawn[closed])
     apart = largest(spaces.comm, drawn) + abs(contact.kinematics.interference)
-    limit = _PAIR_SAFETY * (apart + contact.kinematics.sagitta) / extent + 2 * contact.slid_share()
+    limit = (
+        _PAIR_SAFETY * (apart + contact.kinematics.sagitta) / extent
+        + 2 * contact.relative_sliding()
+    )
     return Check(float(off) / carried, min(_PAIR_ROUND_OFF + limit, 0.5), contact.label)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError, OwnFriction, OwnNormalLaw, Study, allow_laws, main, run
+from fenics_contact import InputError, OwnNormalLaw, Study, UserFriction, allow_laws, main, run
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.laws import allowed
 from tests.contact.laws.test_formula_law import BALL, law
@@ -22,13 +22,13 @@ import pathlib
 
 import ufl
 
-from fenics_contact import OwnEnergy, OwnFriction
+from fenics_contact import UserContactEnergy, UserFriction
 from fenics_contact.contact.laws.normal.spring import positive
 
 pathlib.Path(__file__).with_suffix(".ran").touch()
 
 
-class Asperities(OwnEnergy):
+class Asperities(UserContactEnergy):
     """Exponential springs, p = p0 (exp(d/h) - 1)."""
 
     model = "exponential asperities"
@@ -39,7 +39,7 @@ class Asperities(OwnEnergy):
         return p0 * (h * (ufl.exp(d / h) - 1) - d)
 
 
-class Saturated(OwnFriction):
+class Saturated(UserFriction):
     """mu p at low pressures, mu p0 at high ones."""
 
     @staticmethod
@@ -137,7 +137,7 @@ def test_processes_of_a_sweep_have_what_the_command_line_allows(folder):
     [
         ("rough", "rough:Asperity", "did you mean 'Asperities'?"),
         ("rough", "rough:Helper", "it has Asperities"),
-        ("rough", "rough:OwnEnergy", "has no class 'OwnEnergy'"),
+        ("rough", "rough:UserContactEnergy", "has no class 'UserContactEnergy'"),
         ("rough", "os:system", "the module 'os' are not allowed"),
         ("no_such_module", "rough:Asperities", "the module cannot be imported"),
     ],
@@ -199,7 +199,7 @@ def test_no_module_is_allowed_to_begin_with(folder):
 def test_a_rule_that_says_its_state_update_by_the_earlier_name_is_asked_by_it():
     """Overridden, called, and called on the class that it derives from."""
 
-    class Polished(OwnFriction):
+    class Polished(UserFriction):
         def at_step_end(self, slip, closed):
             return {}
 

@@ -200,15 +200,15 @@ class RegularisedFriction(FrictionLaw):
     def _at_points(self) -> PointDensity:
         metric, components = self.rule.metric, self.site.trace.surface.components
         return point_density(
-            _density(metric.felt), slip=components, bound=0, epsilon=0, **metric.sizes
+            _density(metric.scaled), slip=components, bound=0, epsilon=0, **metric.sizes
         )
 
 
 @lru_cache
-def _density(felt: Callable[..., Expr]) -> Callable[..., Expr]:
+def _density(scaled: Callable[..., Expr]) -> Callable[..., Expr]:
     """The density g φ_ε of a slip as friction feels it, in UFL (energy/area)."""
 
     def density(slip: Expr, bound: Expr, epsilon: Expr, **fields: Expr) -> Expr:
-        return bound * smoothed_norm(felt(slip, **fields), epsilon)
+        return bound * smoothed_norm(scaled(slip, **fields), epsilon)
 
     return density

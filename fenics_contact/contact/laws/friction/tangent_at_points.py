@@ -61,7 +61,7 @@ class PrimalDual:
         size, metric = self.jump.shape[1], self.metric
         names = ("test", "normal", "direction")
         sizes = dict.fromkeys(names, size) | metric.sizes
-        points = point_density(_coulomb(metric.felt), **sizes, bound=0)
+        points = point_density(_coulomb(metric.scaled), **sizes, bound=0)
         values = {name: self._values[name] for name in (*sizes, "bound")}
         return points.curvatures("test", "bound", **values)
 
@@ -69,7 +69,9 @@ class PrimalDual:
     def _density(self) -> PointDensity:
         vectors = dict.fromkeys(("jump", "test", "normal", "direction"), self.jump.shape[1])
         sizes = vectors | self.metric.sizes
-        return point_density(_primal_dual(self.metric.felt), **sizes, bound=0, epsilon=0, length=0)
+        return point_density(
+            _primal_dual(self.metric.scaled), **sizes, bound=0, epsilon=0, length=0
+        )
 
     @property
     def _values(self) -> dict[str, Array | float]:
@@ -78,7 +80,7 @@ class PrimalDual:
 
 
 @lru_cache
-def _primal_dual(felt: Callable[..., Expr]) -> Callable[..., Expr]:
+def _primal_dual(scaled: Callable[..., Expr]) -> Callable[..., Expr]:
     """``primal_dual_residual`` at a point in UFL, over its area."""
 
     def density(
@@ -93,19 +95,19 @@ def _primal_dual(felt: Callable[..., Expr]) -> Callable[..., Expr]:
     ) -> Expr:
         return primal_dual_residual(
             *(jump, test, normal, bound, epsilon, direction, length, 1.0, 1),
-            lambda vector: felt(vector, **fields),
+            lambda vector: scaled(vector, **fields),
         )
 
     return density
 
 
 @lru_cache
-def _coulomb(felt: Callable[..., Expr]) -> Callable[..., Expr]:
+def _coulomb(scaled: Callable[..., Expr]) -> Callable[..., Expr]:
     """``coulomb_residual`` at a point in UFL, over its area."""
 
     def density(test: Expr, normal: Expr, direction: Expr, bound: Expr, **fields: Expr) -> Expr:
         return coulomb_residual(
-            *(test, normal, bound, direction, 1.0, 1), lambda vector: felt(vector, **fields)
+            *(test, normal, bound, direction, 1.0, 1), lambda vector: scaled(vector, **fields)
         )
 
     return density

@@ -11,7 +11,7 @@ from fenics_contact.contact.laws.normal.formula_law import FormulaLaw
 from fenics_contact.contact.laws.normal.foundation import Foundation
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.normal.normal_compliance import NormalCompliance
-from fenics_contact.contact.laws.normal.own_energy import OwnEnergy
+from fenics_contact.contact.laws.normal.own_energy import UserContactEnergy
 from fenics_contact.contact.laws.normal.prescribed import Prescribed
 from fenics_contact.contact.laws.normal.unilateral import Unilateral
 from fenics_contact.contact.laws.normal.untouched import Untouched
@@ -34,7 +34,9 @@ def law_of(contact: Contact) -> type[NormalLaw]:
         InputError: It is one of a user's that is not allowed, or not there.
     """
     known = next((law for law in LAWS if law.kind == contact.kind), None)
-    return known or own_law(contact.kind, OwnEnergy, f"contact '{contact.label}': normal_law.kind")
+    return known or own_law(
+        contact.kind, UserContactEnergy, f"contact '{contact.label}': normal_law.kind"
+    )
 
 
 def acting_law(contact: Contact) -> type[NormalLaw]:

@@ -19,7 +19,7 @@ class _HasParameters(Protocol):
     parameters: Mapping[str, float]
 
 
-class OwnEnergy(EnergyLaw):
+class UserContactEnergy(EnergyLaw):
     """A law of your own: an energy density of depth and jump, with the scene's parameters.
 
     A class derived from it says ``density`` in UFL. Forces and tangents are its derivatives, and
@@ -32,7 +32,7 @@ class OwnEnergy(EnergyLaw):
         site: Where it acts; the program makes it.
 
     >>> from fenics_contact.contact.laws.normal.spring import positive
-    >>> class Springs(OwnEnergy):
+    >>> class Springs(UserContactEnergy):
     ...     @staticmethod
     ...     def density(depth, jump, k):
     ...         return k * positive(depth) ** 2 / 2
@@ -67,6 +67,10 @@ class OwnEnergy(EnergyLaw):
             Name of the parameter → (points,); nothing for other keys.
         """
         return slopes_of_parameters(key, self._fields)
+
+
+#: Its earlier name.
+OwnEnergy = UserContactEnergy
 
 
 def given_parameters(contact: Contact) -> Mapping[str, float]:

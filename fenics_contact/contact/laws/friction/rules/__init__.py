@@ -14,7 +14,7 @@ from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
 from fenics_contact.contact.laws.friction.rules.micro_slip import MicroSlip
 from fenics_contact.contact.laws.friction.rules.nonlocal_friction import Nonlocal
 from fenics_contact.contact.laws.friction.rules.orthotropic import Orthotropic
-from fenics_contact.contact.laws.friction.rules.own_bound import FormulaBound, OwnFriction
+from fenics_contact.contact.laws.friction.rules.own_bound import FormulaBound, UserFriction
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
@@ -46,5 +46,5 @@ def friction_rule(site: LawSite, normal: NormalLaw) -> FrictionRule:
     given = site.contact.friction_law
     named = Coulomb.kind if given is None else given.kind
     known = next((rule for rule in RULES if rule.kind == named), None)
-    made = known or own_law(named, OwnFriction, f"{site.key}.friction_law.kind")
+    made = known or own_law(named, UserFriction, f"{site.key}.friction_law.kind")
     return made(site, normal)

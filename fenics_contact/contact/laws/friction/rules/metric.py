@@ -26,13 +26,13 @@ class SlipMetric:
     """M at the points of a contact; this one is 1, and others say what they do instead.
 
     Attributes:
-        fields: Parameters of ``felt`` at the points, by name, (points,) or (points, components).
+        fields: Parameters of ``scaled`` at the points, by name, (points,) or (points, components).
     """
 
     fields: Mapping[str, Array] = {}
 
     @staticmethod
-    def felt(vector: Expr, **fields: Expr) -> Expr:
+    def scaled(vector: Expr, **fields: Expr) -> Expr:
         """M times a vector along the surface, in UFL.
 
         Args:
@@ -93,11 +93,11 @@ class SlipMetric:
             name: trace.function(values).ufl if values.ndim == 2 else trace.coefficient(values)
             for name, values in self.fields.items()
         }
-        return lambda vector: self.felt(vector, **fields)
+        return lambda vector: self.scaled(vector, **fields)
 
 
 class OwnMetric(SlipMetric):
-    """M by parameters at the points: a class derived from it says ``felt``.
+    """M by parameters at the points: a class derived from it says ``scaled``.
 
     Args:
         fields: As of ``SlipMetric``.
@@ -132,7 +132,7 @@ class OwnMetric(SlipMetric):
         """M, also across the surface, (points, components, components)."""
         vectors = dict.fromkeys(("test", "vector"), np.zeros_like(self._like))
         sizes = dict.fromkeys(vectors, vectors["test"].shape[1]) | self.sizes
-        points = point_density(_pairing(self.felt), **sizes)
+        points = point_density(_pairing(self.scaled), **sizes)
         return points.curvatures("test", "vector", **vectors, **self.fields)
 
     @property
@@ -147,8 +147,8 @@ class OwnMetric(SlipMetric):
 
 
 @lru_cache
-def _pairing(felt: Callable[..., Expr]) -> Callable[..., Expr]:
+def _pairing(scaled: Callable[..., Expr]) -> Callable[..., Expr]:
     def density(test: Expr, vector: Expr, **fields: Expr) -> Expr:
-        return ufl.dot(test, felt(vector, **fields))
+        return ufl.dot(test, scaled(vector, **fields))
 
     return density

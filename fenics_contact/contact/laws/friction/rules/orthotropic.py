@@ -32,7 +32,7 @@ class EllipticMetric(OwnMetric):
     """M = diag(μ₁, μ₂)/max(μ₁, μ₂) along the axes: 1 where both are the same."""
 
     @staticmethod
-    def felt(vector: Expr, **fields: Expr) -> Expr:
+    def scaled(vector: Expr, **fields: Expr) -> Expr:
         """M s = m₂ s + (m₁ − m₂)(e·s) e."""
         along, across, axis = fields["along"], fields["across"], fields["axis"]
         larger = _larger(along, across)

@@ -26,7 +26,7 @@ class _HasParameters(Protocol):
     parameters: Mapping[str, float]
 
 
-class OwnFriction(FrictionRule):
+class UserFriction(FrictionRule):
     """A bound of your own, with the scene's parameters.
 
     A class derived from it says ``bound`` in UFL, of the pressure, of ``coefficient``, which is the
@@ -39,7 +39,7 @@ class OwnFriction(FrictionRule):
         site: Where it acts; the program makes it.
         normal: The law across the contact.
 
-    >>> class Saturated(OwnFriction):
+    >>> class Saturated(UserFriction):
     ...     @staticmethod
     ...     def bound(pressure, coefficient, p0):
     ...         return coefficient * pressure / (1 + pressure / p0)
@@ -72,7 +72,11 @@ class OwnFriction(FrictionRule):
         return np.asarray(np.nanmax(ratios, axis=0))
 
 
-class FormulaBound(OwnFriction):
+#: Its earlier name.
+OwnFriction = UserFriction
+
+
+class FormulaBound(UserFriction):
     """A bound by a formula of the pressure p and of the friction coefficient, mu."""
 
     kind: ClassVar[str] = "formula"
