@@ -23,8 +23,8 @@ if TYPE_CHECKING:
         NotConvergedError,
     )
     from fenics_contact.contact.laws.allowed import allow_laws
-    from fenics_contact.contact.laws.friction.rules.own_bound import OwnFriction, UserFriction
-    from fenics_contact.contact.laws.normal.own_energy import OwnEnergy, UserContactEnergy
+    from fenics_contact.contact.laws.friction.rules.own_bound import UserFriction
+    from fenics_contact.contact.laws.normal.own_energy import UserContactEnergy
     from fenics_contact.explore.exploration import Exploration
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.contact_points import ContactPoints
@@ -72,6 +72,8 @@ if TYPE_CHECKING:
     from fenics_contact.simulation.studies.study import Study
     from fenics_contact.simulation.worn.worn_cycle import WornCycle
 
+    OwnEnergy, OwnFriction = UserContactEnergy, UserFriction
+
 __all__ = [
     "Accuracy",
     "AskedDerivatives",
@@ -109,8 +111,6 @@ __all__ = [
     "Objective",
     "Obstacle",
     "OrthotropicFriction",
-    "OwnEnergy",
-    "OwnFriction",
     "OwnFrictionLaw",
     "OwnNormalLaw",
     "Path",
@@ -156,8 +156,8 @@ _MODULES = {
         "NotConvergedError",
     ),
     "contact.laws.allowed": ("allow_laws",),
-    "contact.laws.friction.rules.own_bound": ("OwnFriction", "UserFriction"),
-    "contact.laws.normal.own_energy": ("OwnEnergy", "UserContactEnergy"),
+    "contact.laws.friction.rules.own_bound": ("UserFriction",),
+    "contact.laws.normal.own_energy": ("UserContactEnergy",),
     "explore.exploration": ("Exploration",),
     "mesh.tagged_mesh": ("Body", "Group"),
     "results.contact_points": ("ContactPoints",),
@@ -202,8 +202,13 @@ _MODULES = {
     "simulation.worn.worn_cycle": ("WornCycle",),
 }
 
+# Names that users have in their scripts, and what they are called now.
+_EARLIER_NAMES = {"OwnEnergy": "UserContactEnergy", "OwnFriction": "UserFriction"}
+
 
 def __getattr__(name: str) -> Any:
+    if name in _EARLIER_NAMES:
+        return __getattr__(_EARLIER_NAMES[name])
     module = next((module for module, names in _MODULES.items() if name in names), None)
     if module is None:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

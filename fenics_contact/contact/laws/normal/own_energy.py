@@ -69,10 +69,6 @@ class UserContactEnergy(EnergyLaw):
         return slopes_of_parameters(key, self._fields)
 
 
-#: Its earlier name.
-OwnEnergy = UserContactEnergy
-
-
 def given_parameters(contact: Contact) -> Mapping[str, float]:
     """Those of the scene's table of a law across a contact, by name.
 

@@ -72,10 +72,6 @@ class UserFriction(FrictionRule):
         return np.asarray(np.nanmax(ratios, axis=0))
 
 
-#: Its earlier name.
-OwnFriction = UserFriction
-
-
 class FormulaBound(UserFriction):
     """A bound by a formula of the pressure p and of the friction coefficient, mu."""
 
