@@ -42,7 +42,7 @@ from fenics_contact.results.words.short_forms import (
 from fenics_contact.results.words.stability import stability_rows
 from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
 from fenics_contact.results.words.vibration import damping_rows, mode_rows
-from fenics_contact.scene.reference import measured_by
+from fenics_contact.scene.keys.reference import measured_by
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.units.table import names_of

@@ -4,7 +4,7 @@ import dataclasses
 
 import fenics_contact
 from fenics_contact import Scene
-from fenics_contact.scene.reference import keys_of
+from fenics_contact.scene.keys.reference import keys_of
 from fenics_contact.scene.values import Profile
 
 NAMES = """

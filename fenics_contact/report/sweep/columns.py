@@ -23,8 +23,8 @@ from fenics_contact.report.sweep.files import SweepTable
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.results.words.tables import headed
-from fenics_contact.scene.reference import keys_of
-from fenics_contact.scene.reference import measured_by as measured_by_key
+from fenics_contact.scene.keys.reference import keys_of
+from fenics_contact.scene.keys.reference import measured_by as measured_by_key
 from fenics_contact.scene.scene import Scene
 
 Cells = list[float | None]

@@ -10,7 +10,7 @@ from typing import Any
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.results.comparison.runs import ComparedRun
-from fenics_contact.scene.reference import keys_of
+from fenics_contact.scene.keys.reference import keys_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.writing import MADE_IN_PYTHON
 

@@ -22,7 +22,7 @@ def of_key(location: Sequence[Any], value: object, table: type) -> str:
         value: What the key was given.
         table: Class of the scene, or of a part of it.
     """
-    from fenics_contact.scene.reference import keys_of  # it reads off the classes that use this
+    from fenics_contact.scene.keys.reference import keys_of  # reads off classes that use this
 
     inner = _class_at(location[:-1], table)
     key = str(location[-1])
@@ -42,7 +42,7 @@ def of_key(location: Sequence[Any], value: object, table: type) -> str:
 
 def _class_at(location: Sequence[Any], table: type) -> type:
     """The class of the table at a location."""
-    from fenics_contact.scene.reference import keys_of
+    from fenics_contact.scene.keys.reference import keys_of
     from fenics_contact.scene.values import Profile
 
     for step in location:
@@ -54,7 +54,7 @@ def _class_at(location: Sequence[Any], table: type) -> type:
 
 def _places_of(key: str) -> list[str]:
     """Where a scene has a key, in words."""
-    from fenics_contact.scene.reference import keys_of
+    from fenics_contact.scene.keys.reference import keys_of
     from fenics_contact.scene.scene import Scene
 
     def search(table: type, header: str, of: str) -> Iterator[str]:

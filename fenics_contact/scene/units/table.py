@@ -107,6 +107,11 @@ def dimensions(table: Any) -> list[tuple[str, Dimension | None]]:
     return _DIMENSIONS[kind]
 
 
+def forget_dimensions(kind: type) -> None:
+    """Look the keys of a scene class up anew, since it has got others."""
+    _DIMENSIONS.pop(kind, None)
+
+
 def _require_mm_of_step_files(scene: Any, units: Units) -> None:
     """Whatever unit is in a STEP file, Gmsh reads it in mm."""
     from fenics_contact.scene.units.registry import factor

@@ -7,9 +7,9 @@ from mpi4py import MPI
 
 from fenics_contact import InputError, load_scene
 from fenics_contact.scene import contact, material, mesh_source, obstacle, scene, steps, values
+from fenics_contact.scene.keys.reference import keys_of
 from fenics_contact.scene.loading import conditions
 from fenics_contact.scene.messages import usual_names
-from fenics_contact.scene.reference import keys_of
 from tests.scene.test_reading import GOOD, PUNCH, write
 
 COMM = MPI.COMM_WORLD
