@@ -15,9 +15,12 @@ from typing import Any
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic.fields import FieldInfo
 
+from fenics_contact.scene.laws.kinds import TablesByKind
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import description_of, dimension_of
 from fenics_contact.scene.values import OneOf, PathFunction, PositionFunction, Profile
+
+Mark = typing.TypeVar("Mark")
 
 
 @dataclass(frozen=True)
@@ -58,7 +61,7 @@ def _fields(table: Any) -> dict[str, FieldInfo]:
 
 def _key(field: Any, hint: Any, said: Mapping[str, str]) -> Key:
     plain, _ = _unwrap(hint)
-    tables = tuple(c for c in _classes(plain) if c is not Profile)
+    tables = tuple(c for c in _classes(hint) if c is not Profile)
     return Key(
         name=field.name,
         accepts=_accepted(hint),
@@ -78,9 +81,16 @@ def _unwrap(hint: Any) -> tuple[Any, list[Any]]:
     return hint, information
 
 
+def _marked(information: list[Any], mark: type[Mark]) -> Mark | None:
+    """The mark of a class among what is said about a type, if there is one."""
+    return next((found for found in information if isinstance(found, mark)), None)
+
+
 def _classes(hint: Any) -> list[type]:
     """Scene classes inside a type."""
-    hint, _ = _unwrap(hint)
+    hint, information = _unwrap(hint)
+    if by_kind := _marked(information, TablesByKind):
+        return list(by_kind.tables)
     if dataclasses.is_dataclass(hint):
         return [typing.cast(type, hint)]
     return [found for part in typing.get_args(hint) for found in _classes(part)]
@@ -116,8 +126,9 @@ def _accepted(hint: Any) -> str:
         return f"table of name = {_accepted(parts[1])}"
     if dataclasses.is_dataclass(plain):
         return "a profile" if plain is Profile else "table"
-    choices = next((found for found in information if isinstance(found, OneOf)), None)
-    if choices is not None:
+    if _marked(information, TablesByKind):
+        return "table"
+    if choices := _marked(information, OneOf):
         return " or ".join(f'`"{word}"`' for word in choices.names())
     name = {float: "number", int: "whole number", str: "text", bool: "`true` or `false`"}[plain]
     return name + _bounds(information)

@@ -5,12 +5,12 @@ A new one is a class here: what it says of itself are its keys.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from fenics_contact.scene.laws.friction_table import FrictionLawTable, require_increase
-from fenics_contact.scene.laws.kinds import chosen_by_kind
+from fenics_contact.scene.laws.kinds import TablesByKind
 from fenics_contact.scene.laws.own_laws import LANGUAGE, ClassName, Parameters, require_formula
 from fenics_contact.scene.units.dimensions import LENGTH, STIFFNESS_OF_POWER, STRESS, VELOCITY
 from fenics_contact.scene.values import Number, Positive, Text, Value, scene_class
@@ -304,7 +304,9 @@ class OwnFrictionLaw(FrictionLawTable):
     parameters: Parameters = Field(default_factory=dict)
 
 
+#: All of them, of which there can be more later.
+FRICTION_LAWS = TablesByKind(*FrictionLawTable.__subclasses__())
 if TYPE_CHECKING:
     AnyFrictionLaw = FrictionLawTable
 else:
-    AnyFrictionLaw = chosen_by_kind(*FrictionLawTable.__subclasses__())
+    AnyFrictionLaw = Annotated[Any, FRICTION_LAWS]

@@ -5,11 +5,11 @@ A new one is a class here: what it says of itself are its keys.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
-from fenics_contact.scene.laws.kinds import chosen_by_kind
+from fenics_contact.scene.laws.kinds import TablesByKind
 from fenics_contact.scene.laws.own_laws import LANGUAGE, ClassName, Parameters, require_formula
 from fenics_contact.scene.units.dimensions import STIFFNESS_OF_POWER
 from fenics_contact.scene.values import Number, Text, Value, scene_class
@@ -72,7 +72,9 @@ class OwnNormalLaw(NormalLawTable):
     parameters: Parameters = Field(default_factory=dict)
 
 
+#: All of them, of which there can be more later.
+NORMAL_LAWS = TablesByKind(*NormalLawTable.__subclasses__())
 if TYPE_CHECKING:
     AnyNormalLaw = NormalLawTable
 else:
-    AnyNormalLaw = chosen_by_kind(*NormalLawTable.__subclasses__())
+    AnyNormalLaw = Annotated[Any, NORMAL_LAWS]
