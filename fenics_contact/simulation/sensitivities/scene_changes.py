@@ -210,7 +210,7 @@ class SceneChanges:
         across = contact.normal.field_slopes(name, unit)
         along = contact.friction.field_slopes(name, unit)
         if not across and not along:
-            raise _refused(key, "the law does not follow it smoothly")
+            raise _refused(key, "the laws of the contact say no derivative by it")
         return Change(contacts={number: GivenChange(across=across, along=along)})
 
     def _at_points(self, contact: ContactSurface, key: str, value: Value, rest: list[str]) -> Array:

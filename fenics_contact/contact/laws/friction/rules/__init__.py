@@ -18,6 +18,8 @@ from fenics_contact.contact.laws.friction.rules.own_bound import FormulaBound, U
 from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.scene.laws.friction_laws import FRICTION_LAWS
+from fenics_contact.scene.laws.friction_table import FrictionLawTable
 
 RULES: tuple[type[FrictionRule], ...] = (
     Coulomb,
@@ -30,6 +32,26 @@ RULES: tuple[type[FrictionRule], ...] = (
     Orthotropic,
     FormulaBound,
 )
+_REGISTERED: dict[type[FrictionRule], type[FrictionLawTable]] = {}
+
+
+def register(rule: type[FrictionRule], table: type[FrictionLawTable]) -> None:
+    """Add a rule, and its table of a scene.
+
+    Args:
+        rule: How large friction may be.
+        table: A scene class, whose ``kind`` is that of the rule: its keys are the rule's numbers.
+
+    Raises:
+        ValueError: There is a rule of this kind.
+    """
+    FRICTION_LAWS.register(table)
+    _REGISTERED[rule] = table
+
+
+def unregister(rule: type[FrictionRule]) -> None:
+    """Take out a rule that was registered."""
+    FRICTION_LAWS.unregister(_REGISTERED.pop(rule))
 
 
 def friction_rule(site: LawSite, normal: NormalLaw) -> FrictionRule:
@@ -45,6 +67,6 @@ def friction_rule(site: LawSite, normal: NormalLaw) -> FrictionRule:
     """
     given = site.contact.friction_law
     named = Coulomb.kind if given is None else given.kind
-    known = next((rule for rule in RULES if rule.kind == named), None)
+    known = next((rule for rule in (*RULES, *_REGISTERED) if rule.kind == named), None)
     made = known or own_law(named, UserFriction, f"{site.key}.friction_law.kind")
     return made(site, normal)

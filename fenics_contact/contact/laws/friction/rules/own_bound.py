@@ -16,7 +16,6 @@ from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.laws.friction_laws import FormulaFriction
-from fenics_contact.scene.values import Value
 
 # Pressures, whatever their unit, between which the ratio of bound and pressure is looked at.
 _PRESSURES = np.logspace(-9, 9, 361)
@@ -49,20 +48,6 @@ class UserFriction(FrictionRule):
     def constants(self) -> Mapping[str, float]:
         """The parameters of the scene's table."""
         return dict(cast(_HasParameters, self.site.contact.friction_law).parameters)
-
-    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of a parameter in itself, too.
-
-        Args:
-            key: Of a number of the contact.
-            unit: Derivative of what the scene gives under it.
-
-        Returns:
-            Name of the parameter → (points,); nothing for other keys.
-        """
-        name = key.removeprefix("friction_law.parameters.")
-        own = {name: np.ones_like(self.coefficient)} if name in self.constants else {}
-        return super().field_slopes(key, unit) or own
 
     @cached_property
     def largest_coefficient(self) -> Array:

@@ -107,7 +107,10 @@ class FrictionRule:
 
     @property
     def constants(self) -> Mapping[str, float]:
-        """Parameters of ``bound`` that are one number for all points, by name."""
+        """Parameters of ``bound`` that are one number for all points, by name.
+
+        Those that are named as keys of the scene's table have derivatives by these.
+        """
         return {}
 
     @property
@@ -136,7 +139,8 @@ class FrictionRule:
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
         """Derivatives of the bound's parameters at the points in a key of the contact; collective.
 
-        Of any further number that quantities are to be derived by, a rule says this, and no more.
+        Those of the friction coefficient, and of the constants that are named as keys of the
+        scene's table. A rule with other numbers says theirs, and no more.
 
         Args:
             key: Such as ``friction_law.exponent``.
@@ -145,9 +149,10 @@ class FrictionRule:
         Returns:
             Name as of ``BoundGradient.fields`` → (points,); nothing for other keys.
         """
-        if key != "friction_coefficient":
-            return {}
-        return {"coefficient": self.site.given(unit, key)}
+        if key == "friction_coefficient":
+            return {"coefficient": self.site.given(unit, key)}
+        name = key.removeprefix("friction_law.").removeprefix("parameters.")
+        return {name: np.ones_like(self.coefficient)} if name in self.constants else {}
 
     def at_step_end(self, slip: Array, closed: Flags) -> dict[str, Array]:
         """The arrays of ``state`` at the end of a load step, by name.
