@@ -135,8 +135,8 @@ def _conditions(scene: Scene) -> list[str]:
     if scene.fretting is not None:
         lines.append(fretting_plan(scene.fretting, scene.cycles is not None, names))
     for load in scene.load:
-        value = _given(getattr(load, load.kind)) + unit(load, load.kind)
-        lines.append(f"Load '{load.on}': {load.kind.replace('_', ' ')} {value}")
+        value = _given(load.value) + unit(load, load.kind)
+        lines.append(f"Load '{load.on}': {load.definition.words} {value}")
     for preload in scene.preload:
         locked = preload.locked_from
         kept = "" if locked is None else f", its length locked from time {locked:g}"

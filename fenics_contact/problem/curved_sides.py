@@ -75,6 +75,10 @@ class CurvedSides:
         """By what share the curve is longer than its facets, or larger, in UFL."""
         return ufl.dot(self.slope, self.slope) / 2 + self.widened
 
+    def further_motion(self, displacement: Expr) -> Expr:
+        """By how much more the curve moves than its facets, in UFL (length)."""
+        return self.offset * ufl.dot(ufl.grad(displacement), self.normal)
+
     def measure(self, chosen: Flags) -> ufl.Measure:
         """Measure of some of ``facets``."""
         entities = self.facets[chosen].astype(np.int32).reshape(-1)

@@ -12,7 +12,7 @@ from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal.law import NormalLaw
-from fenics_contact.problem.loads import GivenLoad
+from fenics_contact.problem.loads.given_load import GivenLoad
 from fenics_contact.problem.scalar_unknowns import Shortening
 
 

@@ -57,14 +57,12 @@ def _require_vectors(scene: Scene) -> None:
                     f"support[{number}].displacement.{axis}: a {scene.kinematics} model has "
                     f"only the axes {', '.join(AXES[:dimension])}"
                 )
-    vectors = [
-        (f"load[{number}].{key}", getattr(load, key))
-        for number, load in enumerate(scene.load)
-        for key in ("traction", "body_force")
-    ]
-    vectors += [(f"point[{number}].at", point.at) for number, point in enumerate(scene.point)]
-    for key, vector in vectors:
-        if vector is not None and len(vector) != dimension:
+    vectors: dict[str, Sequence[object]] = {}
+    for number, load in enumerate(scene.load):
+        vectors |= load.definition.vectors(load.value, f"load[{number}].{load.kind}")
+    vectors |= {f"point[{number}].at": point.at for number, point in enumerate(scene.point)}
+    for key, vector in vectors.items():
+        if len(vector) != dimension:
             raise ValueError(
                 f"{key} has {len(vector)} entries; a {scene.kinematics} model needs {dimension}"
             )

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
+from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE
+from fenics_contact.scene.loading.load_kinds import LoadKind, kinds_of
 from fenics_contact.scene.quantity_names import require_name
 from fenics_contact.scene.units.dimensions import BODY_FORCE, FORCE, LENGTH, PLACE, STRESS
 from fenics_contact.scene.values import (
@@ -57,7 +59,7 @@ class Support:
 
 @scene_class
 class Load:
-    """A given load (the paper's f): exactly one of the three kinds.
+    """A given load (the paper's f): exactly one of its kinds.
 
     >>> Load("right", traction=(-300, 0), pressure=300)
     Traceback (most recent call last):
@@ -67,26 +69,41 @@ class Load:
     on: Annotated[Text, Field(description="physical group: boundary, or body for a body force")]
     traction: Annotated[
         Annotated[tuple[Annotated[Value, STRESS], ...], PER_AXIS] | None,
+        LoadKind("traction", MAX_CONTACT_PRESSURE),
         Field(description="force per area, one entry per axis"),
     ] = None
     pressure: Annotated[
-        Value | None, STRESS, Field(description="pressure, > 0 pushes on the body")
+        Value | None,
+        STRESS,
+        LoadKind("pressure", MAX_CONTACT_PRESSURE),
+        Field(description="pressure, > 0 pushes on the body"),
     ] = None
     body_force: Annotated[
         Annotated[tuple[Annotated[Value, BODY_FORCE], ...], PER_AXIS] | None,
+        LoadKind("body force", MAX_CONTACT_PRESSURE),
         Field(description="force per volume, one entry per axis"),
     ] = None
     path: Annotated[LoadPath, Field(description="of the load over the load steps")] = RAMP
 
     def __post_init__(self) -> None:
-        if sum(kind is not None for kind in (self.traction, self.pressure, self.body_force)) != 1:
-            raise ValueError("give exactly one of traction, pressure and body_force")
+        *others, last = kinds_of(type(self))
+        if sum(getattr(self, key) is not None for key in (*others, last)) != 1:
+            raise ValueError(f"give exactly one of {', '.join(others)} and {last}")
 
     @property
     def kind(self) -> str:
         """The key that it is given by, such as ``traction``."""
-        kinds = ("traction", "pressure", "body_force")
-        return next(kind for kind in kinds if getattr(self, kind) is not None)
+        return next(key for key in kinds_of(type(self)) if getattr(self, key) is not None)
+
+    @property
+    def definition(self) -> LoadKind:
+        """What is known of its kind."""
+        return kinds_of(type(self))[self.kind]
+
+    @property
+    def value(self) -> Any:
+        """The value of its kind, such as that of ``traction``."""
+        return getattr(self, self.kind)
 
 
 @scene_class

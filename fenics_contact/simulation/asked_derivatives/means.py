@@ -29,7 +29,7 @@ from fenics_contact.simulation.asked_derivatives.windows import (
     find_window,
 )
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives
-from fenics_contact.simulation.sensitivities.values import found_in
+from fenics_contact.simulation.sensitivities.values import found_in, numbered
 from fenics_contact.simulation.studies.changes import with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.solved_derivatives import (
@@ -164,18 +164,25 @@ class Means:
         """What changes of a number are measured by: itself, or what the answer has of its kind."""
         middle = self._middle
         assert middle is not None
-        names = key.split(".")
-        forces = [abs(v) for n, v in middle.values.items() if n.endswith(PRESSURE_INTEGRAL) and v]
-        force = max(forces, default=1.0)
-        if {"traction", "pressure", "body_force"} & {*names}:
-            scale = middle.values.get(MAX_CONTACT_PRESSURE) or 1.0
+        table, *names = numbered(self._scene, key).split(".")
+        if table == "load":
+            scale = self._present(self._scene.load[int(names[0])].definition.measured_by)
+        elif "pressure" in names:
+            scale = self._present(MAX_CONTACT_PRESSURE)
         elif "force" in names:
-            scale = force
+            scale = self._present(PRESSURE_INTEGRAL)
         elif "position" in names:  # of the cells at the edges, but in 3D, where there are many
             scale = max(middle.strips, default=0.0) or 1.0
         else:
-            scale = 2 * (middle.values.get(STRAIN_ENERGY) or 1.0) / force
+            scale = 2 * self._present(STRAIN_ENERGY) / self._present(PRESSURE_INTEGRAL)
         return abs(number) if abs(number) > _NOTHING * scale else scale
+
+    def _present(self, quantity: str) -> float:
+        """The largest size of a quantity in the answer, of all contacts; 1 where it is 0."""
+        middle = self._middle
+        assert middle is not None
+        sizes = [abs(v) for name, v in middle.values.items() if name.endswith(quantity) and v]
+        return max(sizes, default=1.0)
 
     @cached_property
     def _of_body(self) -> dict[str, dict[str, Mean]]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -24,9 +23,11 @@ from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknowns import Indentation, Resultant
 from fenics_contact.scene.obstacle import Obstacle
+from fenics_contact.scene.value_arithmetic import slope_of
 from fenics_contact.scene.values import Value
-from fenics_contact.simulation.sensitivities.values import found_in, numbered, unit_of, value_under
+from fenics_contact.simulation.sensitivities.values import found_in, numbered, value_under
 
+_OF_PROFILES = "of a profile, only the values have"
 _MODULI = ("youngs_modulus", "poissons_ratio")
 # Why numbers have none that answers do follow.
 _WHY = {
@@ -132,15 +133,14 @@ class SceneChanges:
         problem, load = self.problem, self.problem.scene.load[number]
         if rest[0] != load.kind:
             raise _refused(key, "it is part of a path")
-        value: Value | tuple[Value, ...] = getattr(load, load.kind)
-        if isinstance(value, tuple):
-            units: Any = [0.0] * len(value)
-            units[int(rest[1])] = _unit(key, value[int(rest[1])], rest[2:])
-        else:
-            units = _unit(key, value, rest[1:])
-        (found,) = given_loads((replace(load, **{load.kind: units}),), problem.spaces)
-        nodal = found.nodal_of_units(problem.discrete.found.setdefault("loads", {}))
-        return Change(load=found.path(self.time) * nodal)
+        slope = load.definition.slope(load.value, rest[1:])
+        if slope is None:
+            raise _refused(key, _OF_PROFILES)
+        unit = given_loads((replace(load, **{load.kind: slope}),), problem.spaces)
+        if not unit:  # it acts beyond the body alone
+            return Change()
+        nodal = unit[0].nodal_of_units(problem.discrete.found.setdefault("loads", {}))
+        return Change(load=unit[0].path(self.time) * nodal)
 
     def _of_support(self, key: str, number: int, rest: list[str]) -> Change:
         problem, support = self.problem, self.problem.scene.support[number]
@@ -329,9 +329,9 @@ def _unit(key: str, value: Value, rest: list[str]) -> Value:
     Raises:
         InputError: It has none.
     """
-    unit = unit_of(value, rest)
+    unit = slope_of(value, rest)
     if unit is None:
-        raise _refused(key, "of a profile, only the values have")
+        raise _refused(key, _OF_PROFILES)
     return unit
 
 

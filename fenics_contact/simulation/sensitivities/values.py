@@ -1,4 +1,4 @@
-"""Numbers of a scene by their keys, and what values they are part of change by."""
+"""Numbers of a scene by their keys, and the values that they are part of."""
 
 from __future__ import annotations
 
@@ -77,22 +77,3 @@ def value_under(part: Any, names: Sequence[str]) -> tuple[str, Value, list[str]]
     while rest and not isinstance(part, float | int | Profile):
         part = found_in(part, rest.pop(0))
     return ".".join(names[: len(names) - len(rest)]), part, rest
-
-
-def unit_of(value: Value, rest: Sequence[str]) -> Value | None:
-    """Derivative of a value in one of its numbers, itself a value; None where it has none.
-
-    Args:
-        value: A number, or a profile.
-        rest: Of the number's key: nothing, or that of a number of the profile.
-
-    >>> profile = Profile(along="x", at=(0, 2, 4), values=(100, 300, 0))
-    >>> unit_of(profile, ["values", "1"]).values
-    (0.0, 1.0, 0.0)
-    """
-    if isinstance(value, float | int) and not rest:
-        return 1.0
-    if isinstance(value, Profile) and len(rest) == 2 and rest[0] == "values":
-        unit = tuple(float(number == int(rest[1])) for number in range(len(value.values)))
-        return dataclasses.replace(value, values=unit)
-    return None

@@ -186,6 +186,14 @@ def test_all_numbers_that_have_a_derivative_are_found():
     ]
 
 
+def test_a_value_that_acts_beyond_the_body_changes_nothing():
+    pressed = Profile("y", (0, 1, 3), (-1, -0.5, 7))
+    scene = dataclasses.replace(ON_A_FLOOR, load=(Load("x1", pressure=pressed),))
+    keys = [f"load.0.pressure.values.{number}" for number in range(3)]
+    found = Study(scene, body=square()).derivatives(["normal_force"], keys)["normal_force"]
+    assert found[keys[2]] == 0 and found[keys[1]] != 0
+
+
 @pytest.mark.parametrize(
     ("of", "by", "said"),
     [

@@ -21,7 +21,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.curved_sides import CurvedSides
-from fenics_contact.problem.loads import ActingLoad
+from fenics_contact.problem.loads.acting_load import ActingLoad
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.mesh.missed_pressure import (

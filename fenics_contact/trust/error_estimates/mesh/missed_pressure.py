@@ -19,7 +19,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.evaluate.contact_resultants import resultant
 from fenics_contact.problem.curved_sides import CurvedSides
-from fenics_contact.problem.loads import Pressure
+from fenics_contact.problem.loads.pressure import Pressure
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,79 @@
+"""Kinds of loads: what a scene says of the value under each key that a load can be given by.
+
+What a load of a kind does to a body is a class in ``problem/loads``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fenics_contact.scene.value_arithmetic import slope_of, times
+from fenics_contact.scene.values import Value
+
+
+@dataclass(frozen=True)
+class LoadKind:
+    """A kind of loads, as the mark of its key in the annotations of ``Load``.
+
+    The value is a number, a profile or a function of the place, or a list with one of these per
+    axis. A kind whose value is a table, or to which the load is not proportional, overrides this.
+
+    Attributes:
+        words: Name of the kind in results, such as ``body force``.
+        measured_by: Name of the quantity that tells how large a small change of the value is,
+            such as ``max_contact_pressure``.
+    """
+
+    words: str
+    measured_by: str
+
+    def components(self, value: Any) -> tuple[Value, ...]:
+        """Return the components of a value, one of them where it has no direction."""
+        return value if isinstance(value, tuple) else (value,)
+
+    def vectors(self, value: Any, key: str) -> dict[str, tuple[Value, ...]]:
+        """Return the lists in a value that need an entry per axis of the model, by their keys.
+
+        Args:
+            value: As a scene gives it.
+            key: Its own, such as ``load[0].traction``.
+        """
+        return {key: value} if isinstance(value, tuple) else {}
+
+    def times(self, value: Any, factor: float) -> Any:
+        """Return the value of a load that is a multiple of a given one."""
+        return times(value, factor)
+
+    def slope(self, value: Any, names: Sequence[str]) -> Any:
+        """Return the value of a load that is the derivative of a given one.
+
+        Args:
+            value: As a scene gives it.
+            names: The rest of the key of a number in the value, such as ``["1"]`` for the second
+                component; empty for the value itself.
+
+        Returns:
+            None where there is no derivative by that number.
+        """
+        if not isinstance(value, tuple):
+            return slope_of(value, names)
+        place = int(names[0])
+        slope = slope_of(value[place], names[1:])
+        zeros: list[Value] = [0.0] * len(value)
+        return None if slope is None else (*zeros[:place], slope, *zeros[place + 1 :])
+
+
+def kinds_of(table: Any) -> dict[str, LoadKind]:
+    """Return the kinds whose marks the keys of a table have, by these keys.
+
+    Args:
+        table: The class of the loads of a scene.
+    """
+    return {
+        name: mark
+        for name, field in table.__pydantic_fields__.items()
+        for mark in field.metadata
+        if isinstance(mark, LoadKind)
+    }
