@@ -82,10 +82,8 @@ class Supports:
         """
         if scene.support != self._given:
             return None
-        found = copy.copy(self)
-        found.applied = list(self.applied)
-        found._require_same_paths(scene)
-        return found
+        self._require_same_paths(scene)
+        return copy.copy(self)
 
     def _support(self, key: str, support: Support, held: Held) -> AppliedSupport:
         spaces = self._spaces
@@ -100,7 +98,7 @@ class Supports:
 
     def add(self, support: AppliedSupport) -> None:
         """Hold dofs that nothing holds yet."""
-        self.applied.append(support)
+        self.applied = [*self.applied, support]
         self.dofs, self.values = self._constraints()
 
     def _constraints(self) -> tuple[Integers, Array]:

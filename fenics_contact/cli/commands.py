@@ -332,5 +332,7 @@ def _log_to_terminal(options: argparse.Namespace, level: int) -> None:
     handler.setFormatter(PlainFormatter("%(message)s"))
     handler.addFilter(lambda record: MPI.COMM_WORLD.rank == 0)
     handler.setLevel(level)
-    logger.handlers = [handler]
+    for earlier in list(logger.handlers):
+        logger.removeHandler(earlier)
+    logger.addHandler(handler)
     logger.setLevel(level)

@@ -97,7 +97,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         known = list(commands)
         hint = did_you_mean(first, known) or f"; there are {', '.join(known)}"
         parser.error(f"there is no command '{first}'{hint}")
-    options, left = parser.parse_known_args(words)
+    options, left = parser.parse_known_args(words, argparse.Namespace(petsc=petsc))
     if left:
         (parser if first is None else commands[first]).refuse_unknown(left)
     if options.command is None and not (options.version or options.all_versions):
@@ -107,7 +107,6 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         parser.error("--verbose belongs to --version, or comes after a command")
     if petsc and options.command != "run":
         parser.error("only the command run takes PETSc options, after --")
-    options.petsc = petsc
     return options
 
 
@@ -128,10 +127,9 @@ def parse_script(
     _add_verbosity(parser)
     parser.add_argument_group("PETSc", texts.PETSC)
     words, petsc = _split(sys.argv[1:] if arguments is None else arguments)
-    options, left = parser.parse_known_args(words)
+    options, left = parser.parse_known_args(words, argparse.Namespace(petsc=petsc))
     if left:
         parser.refuse_unknown(left)
-    options.petsc = petsc
     return options
 
 

@@ -14,6 +14,14 @@ from fenics_contact.common.plain_text import printable
 class Terminal(Console):
     """A console of rich whose texts are printable."""
 
+    def widen(self, width: int) -> None:
+        """Have lines of at least this many characters."""
+        self.width = max(self.width, width)
+
+    def be_quiet(self, quiet: bool) -> None:
+        """Say nothing from now on, or say it again."""
+        self.quiet = quiet
+
     def render(
         self, renderable: RenderableType, options: ConsoleOptions | None = None
     ) -> Iterable[Segment]:

@@ -185,9 +185,7 @@ class RowsOfBody:
         for number in np.unique(every).tolist():
             here = dofs[[key == (number,) for key in numbers]]
             wanted[(number,)] = partial(self._held, here, 1.0)
-        group = self._rows.group(name)
-        group.is_portable = False
-        return group.values(wanted, state)
+        return self._rows.group(name, is_portable=False).values(wanted, state)
 
     def _numbers(self, dofs: Integers) -> list[Key]:
         """Of dofs of this rank, over all ranks."""

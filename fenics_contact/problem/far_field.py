@@ -115,8 +115,7 @@ class FarField:
             name: ``youngs_modulus`` or ``poissons_ratio``.
         """
         found, moved = copy.copy(self), copy.copy(self)
-        is_modulus = name == "youngs_modulus"
-        present = self._modulus if is_modulus else self._ratio
+        present = self._modulus if name == "youngs_modulus" else self._ratio
 
         def columns(number: int) -> list[Array]:
             foot, inward = self._feet[number], self._inward[number]
@@ -124,11 +123,7 @@ class FarField:
             return [moved._new_column(foot, inward, way) for way in ways]
 
         def every(value: complex) -> list[Array]:
-            moved_to: Any = moved
-            if is_modulus:
-                moved_to._modulus = value
-            else:
-                moved_to._ratio = value
+            moved._take_modulus(name, value)
             return [column for number in self.columns for column in columns(number)]
 
         slopes = iter(slope(every, present))
@@ -137,6 +132,13 @@ class FarField:
             found.columns[number] = next(slopes)
             found.sideways[number] = [(along, next(slopes)) for along, _ in self.sideways[number]]
         return found
+
+    def _take_modulus(self, name: str, value: Any) -> None:
+        """Have another Young's modulus or Poisson's ratio, which may be complex."""
+        if name == "youngs_modulus":
+            self._modulus = value
+        else:
+            self._ratio = value
 
     def _unit_field(self, arms: Array, inward: Array, along: Array | None, reach: float) -> Array:
         """Displacement over a force, into the half-space or along its surface, (points, 3)."""

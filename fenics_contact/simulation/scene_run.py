@@ -39,19 +39,14 @@ from fenics_contact.simulation import verdict
 from fenics_contact.simulation.asked_derivatives.asked import keys_asked_of
 from fenics_contact.simulation.asked_of_answer import AskedOfAnswer
 from fenics_contact.simulation.description import model_of, record_of, units_of
+from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun
 from fenics_contact.simulation.modes_of_motion import ChosenModes, choose_modes, modes_ahead
 from fenics_contact.simulation.motion_errors import MotionErrors
 from fenics_contact.simulation.output.functions import Fields
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.step_history import StepHistory
-from fenics_contact.simulation.steps_of_run import (
-    AtEnd,
-    EndOfRun,
-    RunListeners,
-    StepsOfRun,
-    by_default,
-)
+from fenics_contact.simulation.steps_of_run import RunListeners, StepsOfRun, by_default
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.vibration.stability import SlidingStability
 from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes
@@ -62,7 +57,6 @@ from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.static_start import begin_motion
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
-from fenics_contact.trust.error_estimates.budget import unknown_budget
 
 logger = logging.getLogger(__name__)
 
@@ -81,15 +75,13 @@ class Run:
 
     Attributes:
         scene: What to solve.
-        own_mesh: Whether the mesh was passed, in place of the one that the scene names.
+        own_mesh: Whether the mesh is not the one that the scene names.
         problem: The model: spaces, energies, forms.
         free_motion: Rigid motions that the supports leave to friction.
         choice: The solver, and how much memory it is to need.
         end: What is known once the last load step is solved.
         vibration: Modes that the scene asks for, with their shapes, once they are found.
         stability: Of steady sliding, likewise.
-        at_end: Called with the load steps at their end, and with the errors of cells where these
-            were estimated; collective.
         timings: Seconds so far.
 
     Args:
@@ -97,6 +89,8 @@ class Run:
         comm: Communicator; collective.
         body: The mesh, if not the one the scene names.
         kept: The body, where it serves several runs, one after the other.
+        modes: In which bodies move, where these are known.
+        own_mesh: Whether the mesh is not the one that the scene names; by default, if it is given.
 
     Raises:
         InputError: The scene or its mesh cannot be used, or has no equilibrium.
@@ -121,14 +115,15 @@ class Run:
         comm: MPI.Comm = MPI.COMM_WORLD,
         body: Body | None = None,
         kept: KeptBody | None = None,
+        modes: ChosenModes | None = None,
+        own_mesh: bool | None = None,
     ) -> None:
-        self._kept = kept
-        self.scene, self.own_mesh = scene, body is not None
+        self._kept, self._modes = kept, modes
+        self.scene, self.own_mesh = scene, body is not None if own_mesh is None else own_mesh
         self.end = EndOfRun()
         self.vibration: Vibration | None = None
         self.stability: SlidingStability | None = None
-        self.at_end: AtEnd | None = None
-        self._modes: ChosenModes | None = None
+        self._at_end: AtEnd | None = None
         self.timings = Timings()
         with failing_together(comm):
             self._make_ready(scene, comm, body)
@@ -173,7 +168,7 @@ class Run:
         motion, kept = self.scene.motion, self._kept
         if self._modes is not None or kept is None or motion is None or motion.modes is None:
             return
-        kept.modes_ahead = modes_ahead(motion.modes)
+        kept.need_modes(modes_ahead(motion.modes))
         self._modes = choose_modes(self.scene, motion.modes, self._again)
         # Anew in any case: what faces what is that of the last problem on the body.
         self._pose(Problem(self._modes.scene, kept.discrete, self.timings, by_points=True))
@@ -181,9 +176,17 @@ class Run:
     def _again(self, scene: Scene, body: Body | None = None) -> Result:
         """What comes out of a scene like this one, on this body or another; collective."""
         kept = self._kept if body is None else None
-        run = Run(scene, self.problem.comm, body, kept)
-        run._modes = ChosenModes(scene)  # how good they are is not asked again
+        modes = ChosenModes(scene)  # how good they are is not asked again
+        run = Run(scene, self.problem.comm, body, kept, modes)
         return run.solve(announce=lambda number, step: None)
+
+    def listen_at_end(self, at_end: AtEnd) -> None:
+        """Have a function called at the end of the load steps; collective.
+
+        Args:
+            at_end: Gets the load steps, and the errors of cells where these were estimated.
+        """
+        self._at_end = at_end
 
     @property
     def worn_cycle(self) -> WornCycle | None:
@@ -259,7 +262,7 @@ class Run:
             MachineError: The machine failed: memory, a file.
         """
         told = announce or by_default(self.scene)
-        calls = (told, accepted, stopped, partial(self._answer_alone, answered), self.at_end)
+        calls = (told, accepted, stopped, partial(self._answer_alone, answered), self._at_end)
         listeners = RunListeners(*calls)
         with failing_together(self.problem.comm):
             if state is not None:
@@ -270,11 +273,11 @@ class Run:
 
     def _solve(self, taken: StepsOfRun, saved: SavedRun | None) -> Result:
         """Take the load steps and put the result together; collective."""
-        history, asked = self._history, self.scene.fretting
+        history = self._history
         begin_motion(self.problem, self.timings)
         history.begin([] if saved is None else saved.steps)
         with self.timings.phase("output"):
-            history.stress = None if asked is None else StressHistory(self.problem, asked)
+            history.follow_stress(self.scene.fretting)
         self.end = EndOfRun()
         try:
             condense = None if self._kept is None else self._kept.condense
@@ -307,11 +310,7 @@ class Run:
         """Estimate the errors of its last step; collective."""
         with self.timings.phase("errors"), silently():
             parts = self.scene, self.problem.spaces, self.contacts(), self.steps[-1]
-            estimate = MotionErrors(*parts, self._again).budget
-            missing, notes = "Errors were not estimated", list(self.end.budget.notes)
-            unknown = unknown_budget(self.scene, self.steps[-1])
-            found = attempt(self.problem.comm, missing, estimate, unknown, notes)
-            self.end.budget = dataclasses.replace(found, notes=[*found.notes, *notes])
+            self.end.take_budget(self.problem.comm, MotionErrors(*parts, self._again).budget)
 
     def with_all_asked(self, result: Result) -> Result:
         """With derivatives and modes that the scene asks for, if any; collective.

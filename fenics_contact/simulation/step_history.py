@@ -24,6 +24,7 @@ from fenics_contact.results.records.contacts import StepContact
 from fenics_contact.results.records.slip_limit import SlipLimitRecord
 from fenics_contact.results.records.steps import Largest, LoadRecord, StepRecord
 from fenics_contact.results.result import Check
+from fenics_contact.scene.asked.fretting import Fretting
 from fenics_contact.simulation.description import regularisation_of
 from fenics_contact.simulation.output.functions import Fields, fields_of
 from fenics_contact.solve.newton.solution import Solution
@@ -85,6 +86,10 @@ class StepHistory(Generic[_Forces]):
         if self._fields is None or self._fields[0] is not self.solution:
             self._fields = self.solution, fields_of(self._problem, self.solution)
         return self._fields[1]
+
+    def follow_stress(self, asked: Fretting | None) -> None:
+        """Keep the stress near the contacts along the load steps, where fretting is asked for."""
+        self.stress = None if asked is None else StressHistory(self._problem, asked)
 
     def begin(self, steps: Sequence[StepRecord]) -> None:
         """Forget all, but steps of an earlier run to go on from."""

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from math import inf
 from time import monotonic
 from typing import Any
 
 from fenics_contact.common.errors import NotConvergedError, StoppedError
-from fenics_contact.common.failures import attempt, silently
+from fenics_contact.common.failures import silently
 from fenics_contact.common.parallel import from_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.steps import StepRecord
-from fenics_contact.results.result import Check
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.units.table import names_of
+from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
@@ -31,37 +31,8 @@ from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.solver_choice import Condense, SolverChoice
-from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget, unknown_budget
-from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
-from fenics_contact.trust.error_estimates.solving_again import restore
-from fenics_contact.trust.resolution.unseen_depth import judged_by_depth
-from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
 
 logger = logging.getLogger(__name__)
-
-AtEnd = Callable[[LoadSteps, LocalErrors | None], None]
-_Judge = Callable[[LoadSteps, Sequence[StepRecord]], ErrorBudget]
-
-
-@dataclass
-class EndOfRun:
-    """What is known once the last load step is solved.
-
-    Attributes:
-        last: What a further step would start from.
-        others: Of other answers of that step.
-        budget: Estimated errors of its quantities.
-        checks: Of the physics.
-        notes: Sentences on what could not be found beside the answer.
-        interrupted: Whether somebody asked to stop before all of it was found.
-    """
-
-    last: Unknowns | None = None
-    others: OtherAnswers = field(default_factory=OtherAnswers)
-    budget: ErrorBudget = field(default_factory=ErrorBudget)
-    checks: dict[str, Check] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
-    interrupted: bool = False
 
 
 @dataclass(frozen=True)
@@ -186,45 +157,22 @@ class StepsOfRun(StepListener):
 
     def _finish(self, load_steps: LoadSteps) -> None:
         """After the last step, while the system can still be solved."""
-        end, history = self._end, self._history
-        end.last = None if load_steps.last is None else load_steps.last.unknowns
-        end.checks = history.checks()  # before other answers move the contacts about
-        end.budget = unknown_budget(self._scene, history.steps[-1])
+        self._end.reach(self._scene, load_steps, self._history)
         if self._listeners.answered is not None:
             self._listeners.answered()
         try:
             with silently():
                 self._judge(load_steps)
-        except StoppedError:  # of estimates: the answer is there
-            end.interrupted = True
-            restore(load_steps)
+        except StoppedError:
+            self._end.interrupt(load_steps)
 
     def _judge(self, load_steps: LoadSteps) -> None:
         """What is to be known of the answer beside it; collective."""
-        end, comm, steps = self._end, load_steps.problem.comm, self._history.steps
-        if self._cycles is None:
-            with self._timings.phase("output"):
-                missing = "How far what sinks in between points governs the answer was not found"
-                depth = partial(judged_by_depth, load_steps, end.checks)
-                end.checks = attempt(comm, missing, depth, end.checks, end.notes)
-        look = partial(look_around, load_steps)
-        with self._timings.phase("output"):
-            missing = "It was not found whether the answer is the only one"
-            end.others = attempt(comm, missing, look, OtherAnswers(), end.notes)
-            if end.notes:
-                restore(load_steps)
+        cycles, at_end = self._cycles, self._listeners.at_end
+        self._end.look_beside(load_steps, self._timings, weighs_depth=cycles is None)
         with self._timings.phase("errors"):
-            judge: _Judge = error_budget if self._cycles is None else self._cycles.budget
-            estimate = partial(judge, load_steps, steps)
-            notes: list[str] = []
-            found = attempt(comm, "Errors were not estimated", estimate, end.budget, notes)
-            end.budget = replace(found, notes=[*found.notes, *notes])
-            if notes:
-                restore(load_steps)
-            at_end = self._listeners.at_end
-            if at_end is not None:
-                tell = partial(at_end, load_steps, end.budget.local)
-                attempt(comm, "Cells were not weighed for the accuracy", tell, None, end.notes)
+            judge = None if cycles is None else cycles.budget
+            self._end.estimate_errors(load_steps, self._history.steps, judge, at_end)
 
 
 class _StateKeeper(StepListener):

@@ -63,7 +63,7 @@ def verify(
     to_run = chosen(names, cases)
     on_root(comm, lambda: require_folder("--json", json_file))
     console = Terminal(quiet=quiet or comm.rank > 0, highlight=False)
-    console.width = max(console.width, _WIDTH)
+    console.widen(_WIDTH)
     outcomes = []
     width = max(len(case.name) for case in to_run)
     for number, case in enumerate(to_run, 1):
@@ -76,7 +76,7 @@ def verify(
             soft_wrap=True,
         )
     passed = all(outcome.passed for outcome in outcomes)
-    console.quiet = comm.rank > 0 or (quiet and passed)
+    console.be_quiet(comm.rank > 0 or (quiet and passed))
     _print_outcomes(console, outcomes)
     on_root(comm, lambda: _write(json_file, outcomes))
     return 0 if passed else FAILED
@@ -142,7 +142,7 @@ def _print_outcomes(console: Terminal, outcomes: Sequence[Outcome]) -> None:
     console.print()
     # Numbers that are cut say nothing: a file takes any width, a terminal folds lines.
     unbounded = console.options.update(max_width=_WIDEST)
-    console.width = max(console.width, console.measure(table, options=unbounded).maximum)
+    console.widen(console.measure(table, options=unbounded).maximum)
     console.print(table)
     console.print("\nErrors are relative, or absolute where marked abs. References:")
     for outcome in outcomes:

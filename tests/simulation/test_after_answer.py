@@ -11,7 +11,7 @@ from fenics_contact.cli import commands
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt
 from fenics_contact.scene.asked.derivatives import AskedDerivatives
-from fenics_contact.simulation import asked_of_answer, scene_run, steps_of_run, verdict
+from fenics_contact.simulation import asked_of_answer, end_of_run, scene_run, verdict
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.restart.state_file import StateFile
 from fenics_contact.simulation.step_history import LinearRange
@@ -56,7 +56,7 @@ PIECES = {
     "mesh": (estimates, "mesh_errors", "The error by the mesh was not estimated: "),
     "iterations": (estimates, "iteration_errors", "The error by the iterations was not "),
     "corners": (budget, "Unbounded", "Errors were not estimated: "),
-    "others": (steps_of_run, "look_around", "It was not found whether the answer is the only one"),
+    "others": (end_of_run, "look_around", "It was not found whether the answer is the only one"),
     "strains": (LinearRange, "of", "The range of linear theory was not checked: "),
     "derivatives": (asked_of_answer, "asked_derivatives", "No derivatives: "),
     "tolerances": (asked_of_answer, "uncertainties", "No uncertainties: "),

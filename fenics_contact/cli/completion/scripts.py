@@ -63,7 +63,7 @@ def script(shell: str) -> str:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters |= {"shell": _quoted, "fish": _quoted_for_fish}
+    environment.filters.update(shell=_quoted, fish=_quoted_for_fish)
     template = environment.get_template(f"{shell}.jinja")
     program, *commands = _commands()
     return template.render(

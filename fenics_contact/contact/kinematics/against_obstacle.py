@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 
 from fenics_contact.analytic.complex_step import slope
@@ -105,10 +103,16 @@ class ObstacleKinematics(ContactKinematics):
         return gap - self.brought_up * self.facing
 
     def _gap(self, points: Array, normals: Array) -> Array:
-        aside = self.displacement - (normals @ self.displacement)[:, None] * normals
+        return self._gap_to(self._obstacle, self.displacement, points, normals)
+
+    def _gap_to(
+        self, obstacle: RigidObstacle, displacement: Array, points: Array, normals: Array
+    ) -> Array:
+        """Gap to an obstacle that has moved aside by a displacement, (points,) (length)."""
+        aside = displacement - (normals @ displacement)[:, None] * normals
         moved = points.astype(aside.dtype)
         moved[:, : normals.shape[1]] -= aside
-        return self._obstacle.gap(moved, normals, self._spaces.position)
+        return obstacle.gap(moved, normals, self._spaces.position)
 
     def gap_slopes(self, name: str, axis: int) -> Array:
         """Derivatives of the gap in a number of the obstacle, by a complex step, (points,).
@@ -117,15 +121,15 @@ class ObstacleKinematics(ContactKinematics):
             name: ``radius``, ``position``, ``displacement`` or a direction.
             axis: Of all but the first.
         """
-        obstacle, moved = self._obstacle, copy.copy(self)
+        obstacle, points = self._obstacle, (self.trace.coordinates, self.trace.normals)
 
         def gap(value: complex) -> Array:
             if name == "displacement":
-                moved.displacement = self.displacement.astype(complex)
-                moved.displacement[axis] = value
-            else:
-                moved._obstacle = obstacle.with_number(name, axis, value)
-            return moved._gap(self.trace.coordinates, self.trace.normals)
+                displacement = self.displacement.astype(complex)
+                displacement[axis] = value
+                return self._gap_to(obstacle, displacement, *points)
+            changed = obstacle.with_number(name, axis, value)
+            return self._gap_to(changed, self.displacement, *points)
 
         present = self.displacement[axis] if name == "displacement" else obstacle.number(name, axis)
         return np.where(self._left_out, 0.0, slope(gap, present))

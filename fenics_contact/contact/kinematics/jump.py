@@ -280,7 +280,7 @@ class ContactKinematics(ABC):
         if self._at_points is None:
             jump = self.jump.x.array.reshape(-1, self._spaces.components)
             self._at_points = self.trace.at_points(jump)
-            self._at_points.flags.writeable = False
+            self._at_points.setflags(write=False)
         return self._at_points
 
     def normal(self, vectors: Array) -> Array:

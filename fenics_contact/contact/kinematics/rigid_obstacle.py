@@ -92,21 +92,24 @@ class RigidObstacle:
             value: Of the number (length, or of a direction).
         """
         found = copy.copy(self)
+        found._take_number(name, axis, value)
+        return found
+
+    def _take_number(self, name: str, axis: int, value: complex) -> None:
+        """Have another number; the arguments are those of ``with_number``."""
         if name in DIRECTIONS:
             given = list(getattr(self._obstacle, name))
             given[axis] = value
             turned: Any = _unit(given)
-            setattr(found, "direction" if name == "direction" else f"_{name}", turned)
+            setattr(self, "direction" if name == "direction" else f"_{name}", turned)
             if name == "normal" and self._obstacle.direction is None:
-                found.direction = turned
-            found.direction = found.direction[: len(self.direction)]
+                self.direction = turned
+            self.direction = self.direction[: len(self.direction)]
         elif name == "radius":
-            found._radius = value  # type: ignore[assignment]
+            self._radius = value  # type: ignore[assignment]
         else:
-            apex = self._apex.astype(complex)
-            apex[axis] = value
-            found._apex = apex
-        return found
+            self._apex = self._apex.astype(complex)
+            self._apex[axis] = value
 
     def keeps_right_angle(self, name: str, axis: int) -> bool:
         """Whether lines along it stay at a right angle to its normal as one of both turns.

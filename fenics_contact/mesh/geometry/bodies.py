@@ -74,6 +74,10 @@ class Bodies:
             return part
         return None if part in self._sections else self._pieces.get(part, part)
 
+    def count_as_groups(self) -> None:
+        """The bodies are the file's physical groups: ``groups`` leaves them out."""
+        self.are_groups = True
+
     def groups(self) -> list[dict[str, Any]]:
         """As ``from_gmsh`` takes physical groups; without numbers, which are the surfaces'."""
         kinds = [] if self.are_groups else [(self.dimension, self.parts)]
@@ -93,7 +97,7 @@ def name_bodies(job: Job, bodies: Bodies) -> None:
     dimension = bodies.dimension
     groups = gmsh.model.getPhysicalGroups(dimension)
     if groups:
-        bodies.are_groups = True
+        bodies.count_as_groups()
         for group in groups:
             name = gmsh.model.getPhysicalName(*group) or str(group[1])
             found = gmsh.model.getEntitiesForPhysicalGroup(*group).tolist()

@@ -132,7 +132,7 @@ class _Reader:
         if block.word in self._takers:
             if block.options.get("INPUT"):
                 inputs = self._lines.included(block.line, block.options["INPUT"])
-                block.data += _statements(self._lines, inputs)
+                block.data.extend(_statements(self._lines, inputs))
             self._takers[block.word](block)
 
     def mesh(self) -> FoundMesh:

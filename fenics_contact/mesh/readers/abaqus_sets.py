@@ -40,6 +40,10 @@ class _Rule:
     ranges: list[tuple[int, int, int]] = field(default_factory=list)
     names: list[tuple[Line, str]] = field(default_factory=list)
 
+    def define(self, is_internal: bool) -> None:
+        """Take note of a definition: a set is internal if all of its definitions are."""
+        self.is_internal &= is_internal
+
 
 class Sets:
     """All sets of nodes, or all of elements. Capital and small letters are the same in names.
@@ -66,7 +70,7 @@ class Sets:
             is_internal: Made by a program for its own use, and no group.
         """
         rule = self._rules.setdefault((scope, name.upper()), _Rule(name, line))
-        rule.is_internal &= is_internal
+        rule.define(is_internal)
         return rule
 
     def read(self, rule: _Rule, lines: Iterable[Line], generate: bool, numbered: bool) -> None:
@@ -89,11 +93,11 @@ class Sets:
                     rule.ranges.append((first, last, *(step or [1])))  # type: ignore[arg-type]
                 continue
             is_number = [word.lstrip("-").isdigit() for word in words]
-            rule.names += [
+            rule.names.extend(
                 (line, word.strip('"'))
                 for word, is_it in zip(words, is_number, strict=True)
                 if not is_it
-            ]
+            )
             found = [
                 whole_number(line, word)
                 for word, is_it in zip(words, is_number, strict=True)

@@ -60,12 +60,11 @@ def _display_answers() -> bool:
         x11 = ctypes.CDLL("libX11.so.6")
     except OSError:
         return False
-    x11.XOpenDisplay.restype = ctypes.c_void_p
-    x11.XOpenDisplay.argtypes = [ctypes.c_char_p]
-    x11.XCloseDisplay.argtypes = [ctypes.c_void_p]
-    screen = x11.XOpenDisplay(None)
+    open_display = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_char_p)(("XOpenDisplay", x11))
+    close_display = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)(("XCloseDisplay", x11))
+    screen = open_display(None)
     if screen:
-        x11.XCloseDisplay(screen)
+        close_display(screen)
     return bool(screen)
 
 
@@ -87,12 +86,9 @@ def _draws_by_egl() -> bool:
 def _screens(egl: ctypes.CDLL) -> Iterator[int | None]:
     """EGL's displays: the default one, and those of its devices (EGL_EXT_device_enumeration)."""
     pointer, integer = ctypes.c_void_p, ctypes.c_int
-    egl.eglGetDisplay.restype = egl.eglGetProcAddress.restype = pointer
-    egl.eglGetDisplay.argtypes = [pointer]
-    yield egl.eglGetDisplay(None)
-    query, get = (
-        egl.eglGetProcAddress(name) for name in (b"eglQueryDevicesEXT", b"eglGetPlatformDisplayEXT")
-    )
+    yield ctypes.CFUNCTYPE(pointer, pointer)(("eglGetDisplay", egl))(None)
+    address_of = ctypes.CFUNCTYPE(pointer, ctypes.c_char_p)(("eglGetProcAddress", egl))
+    query, get = (address_of(name) for name in (b"eglQueryDevicesEXT", b"eglGetPlatformDisplayEXT"))
     if not (query and get):
         return
     devices, count = (pointer * 16)(), integer(0)

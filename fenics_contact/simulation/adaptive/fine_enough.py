@@ -51,13 +51,12 @@ def first_run(scene: Scene, comm: MPI.Comm, body: Body | None = None) -> Run:
     is_own, meshes = body is not None, 0
     while True:
         try:
-            run = Run(scene, comm, body)
+            run = Run(scene, comm, body, own_mesh=is_own)
         except TooCoarseError as error:
             mesh, rows = error.spaces, error.finer
             if not _may_be_finer(scene, mesh.body, is_own) or meshes == _MOST:
                 raise
         else:
-            run.own_mesh = is_own
             if not _may_be_finer(scene, run.problem.body, is_own) or meshes == _MOST:
                 return run
             mesh, rows = run.problem.spaces, _of_hidden(run)

@@ -103,7 +103,7 @@ class AdaptiveRun:
         """
         run, guess, last = self.run, None, None
         while True:
-            run.at_end = self._goals
+            run.listen_at_end(self._goals)
             solve = partial(solve_level, run, guess)
             result = solve() if last is None else self._tried("the next mesh has no answer", solve)
             if isinstance(result, str):

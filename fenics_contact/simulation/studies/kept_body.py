@@ -34,8 +34,6 @@ class KeptBody:
     Attributes:
         discrete: The body made ready.
         condensed: The body condensed, None before a problem needs it.
-        saved: What a file has of that, for the first problem that it suits.
-        modes_ahead: How many modes motions on it will need, which are found together.
 
     Args:
         scene: Any whose body it is.
@@ -61,9 +59,17 @@ class KeptBody:
         self._earlier = 0
         self._problem: Problem | None = None
         self._modes: FreeModes | None = None
-        self.modes_ahead = 0
+        self._modes_ahead = 0
         self.condensed: CondensedBody | None = None
-        self.saved: SavedBody | None = None
+        self._saved: SavedBody | None = None
+
+    def take_saved(self, saved: SavedBody) -> None:
+        """Have what a file has of the condensed body, for the first problem that it suits."""
+        self._saved = saved
+
+    def need_modes(self, number: int) -> None:
+        """Find at least this many modes together, once a motion needs some."""
+        self._modes_ahead = number
 
     def serve_many(self) -> None:
         """From now on keep what each problem would work out of the body."""
@@ -100,7 +106,7 @@ class KeptBody:
         def find(masses: ContactMasses, held: Flags) -> FreeModes:
             known = self._modes
             if known is None or len(known.squares) - known.rigid < number:
-                found = max(number, self.modes_ahead)
+                found = max(number, self._modes_ahead)
                 self._modes = known = free_modes(body, masses, held, found)
             return known.first(number)
 
@@ -125,7 +131,7 @@ class KeptBody:
                 return before
             sides = self._with_earlier(sides, before)
             self.close()
-        schur, saved = None, self.saved
+        schur, saved = None, self._saved
         if saved is not None and saved.suits(self.discrete, problem.constrained, sides):
             sides, schur = saved.sides(self.discrete), partial(saved.schur, self.discrete)
         self.condensed = CondensedBody(
@@ -133,7 +139,7 @@ class KeptBody:
         )
         if saved is not None and schur is not None:
             saved.give_to(self.condensed)
-        self.saved = None
+        self._saved = None
         return self.condensed
 
     @contextmanager

@@ -134,7 +134,7 @@ class QuickAnswers:
                     converged=False, said=str(error), start="cold", verdict=f"No answer: {error}"
                 )
             if self._last is not None:
-                taken.warm.without_friction = self._last.without_friction
+                taken.warm.know_without_friction(self._last.without_friction)
             self._last, self.find_body = taken.warm, solution.find_body
             return _measured(history, solution, start if load_steps.warm_steps else "cold", checks)
 

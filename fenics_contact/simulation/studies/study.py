@@ -117,7 +117,7 @@ class Study:
             study = cls(scene or scene_of_text(saved.scene, path), comm, body)
             kept = study._body_of(study.scene)
             saved.require_fit(kept.discrete.description, kept.discrete.spaces.body)
-            kept.saved = saved
+            kept.take_saved(saved)
         return study
 
     def save(self, file: str | Path) -> None:

@@ -185,6 +185,10 @@ class WarmStart:
         self.steps: list[SolvedStep] = []
         self.without_friction: WithoutFriction | None = None
 
+    def know_without_friction(self, found: WithoutFriction | None) -> None:
+        """Have an answer without friction that was found before."""
+        self.without_friction = found
+
     def keep(self, newton: Newton) -> None:
         """A step of the answer, just solved; collective."""
         every = [contact.friction_term.tangent_state for contact in newton.problem.contacts]

@@ -65,7 +65,7 @@ def verify_errors(
         for line in _lines(outcome, f"{number:2} of {len(to_run)}", width):
             console.print(line)
     verdict = bar_table.passed(outcomes)
-    console.quiet = comm.rank > 0 or (quiet and verdict)
+    console.be_quiet(comm.rank > 0 or (quiet and verdict))
     _print_short(console, outcomes)
     console.print()
     for line in bar_table.summary(outcomes):

@@ -49,11 +49,11 @@ def verify_hard(
     for number, case in enumerate(to_run, 1):
         outcome = run_hard_case(case)
         outcomes.append(outcome)
-        console.quiet = comm.rank > 0 or (quiet and outcome.passed)
+        console.be_quiet(comm.rank > 0 or (quiet and outcome.passed))
         for line in _lines(outcome, f"{number:3} of {len(to_run)}", width):
             console.print(line)
     passed = all(outcome.passed for outcome in outcomes)
-    console.quiet = comm.rank > 0 or (quiet and passed)
+    console.be_quiet(comm.rank > 0 or (quiet and passed))
     console.print(
         f"\n{table.summary(outcomes)} In {sum(outcome.seconds for outcome in outcomes):.0f} s."
     )

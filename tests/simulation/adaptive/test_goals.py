@@ -53,7 +53,7 @@ def goals_of(scene, body, names):
         found.append(local.squared.copy())
 
     prepared = Run(scene, body=body)
-    prepared.at_end = at_end
+    prepared.listen_at_end(at_end)
     assert prepared.solve().converged
     return found
 
@@ -137,7 +137,7 @@ def test_of_a_history_the_last_load_step_counts_and_all_is_there_again():
         finder(load_steps, local)
         around.append(load_steps.newton.system.position())
 
-    prepared.at_end = at_end
+    prepared.listen_at_end(at_end)
     assert prepared.solve().converged
     assert around[1] == pytest.approx(around[0], abs=1e-14)
     assert finder.found is not None and not finder.found.by_energy

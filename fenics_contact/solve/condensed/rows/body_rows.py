@@ -27,9 +27,14 @@ class BodyRows:
         self._groups: dict[str, RowGroup] = {}
         self._found: dict[str, Any] = {}
 
-    def group(self, name: str) -> RowGroup:
-        """The rows of a name, kept."""
-        return self._groups.setdefault(name, RowGroup(self.maker))
+    def group(self, name: str, is_portable: bool = True) -> RowGroup:
+        """The rows of a name, kept.
+
+        Args:
+            name: Of the rows.
+            is_portable: Whether their keys mean the same on any number of ranks.
+        """
+        return self._groups.setdefault(name, RowGroup(self.maker, is_portable))
 
     def once(self, name: str, make: Callable[[], _T]) -> _T:
         """What is worked out for rows of this body, once.

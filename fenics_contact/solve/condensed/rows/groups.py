@@ -33,12 +33,12 @@ class RowGroup:
 
     Args:
         maker: Makes them.
+        is_portable: See the attributes.
     """
 
-    def __init__(self, maker: RowMaker) -> None:
-        self._maker = maker
+    def __init__(self, maker: RowMaker, is_portable: bool = True) -> None:
+        self._maker, self.is_portable = maker, is_portable
         self.made: dict[Key, Row] = {}
-        self.is_portable = True
         self._stack: RowStack | None = None
 
     def values(self, wanted: Wanted, state: GivenState) -> dict[Key, float]:
