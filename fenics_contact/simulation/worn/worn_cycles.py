@@ -127,7 +127,7 @@ class WornCycles(StepListener):
 
     def _back_to(self, end: AcceptedStep, number: int) -> None:
         """To the end of the last cycle that counts, from a later one; collective."""
-        self._load_steps.tried += (number - 1) * self._period
+        self._load_steps.count_tried_from((number - 1) * self._period)
         self._load_steps.go_back_to(end)
 
     def _first(self) -> Rates:

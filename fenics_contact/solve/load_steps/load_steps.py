@@ -121,6 +121,10 @@ class LoadSteps(RestingPlace):
             self.last.solution.find_body()
         return self.last.solution
 
+    def count_tried_from(self, time: float) -> None:
+        """Count the pseudo-time of the step that was tried last from this one on."""
+        self.tried += time
+
     @property
     def beside(self) -> Beside:
         """What another run needs besides the last step to go on: nothing."""

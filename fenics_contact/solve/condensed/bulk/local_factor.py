@@ -77,6 +77,10 @@ class LocalFactor:
         for rows in asked:
             rows.destroy()
 
+    def forget_schur(self) -> None:
+        """Keep the Schur complement no longer, which is large."""
+        self.schur = np.zeros((0, 0))
+
     def serves(self, matrix: csr_matrix, kept: Integers) -> bool:
         """Whether it is the factor of another matrix, too, but for round-off.
 

@@ -116,7 +116,7 @@ class RankFactor:
         """Keep it no longer, unless the factors are for other bodies, too."""
         if self._is_own:
             for factor in self._factors:
-                factor.schur = np.zeros((0, 0))
+                factor.forget_schur()
 
     def times(self, values: Array) -> Array:
         """K x, without what is held, of one x or several, (…, unknowns)."""

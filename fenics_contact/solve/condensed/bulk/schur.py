@@ -131,6 +131,10 @@ class CondensedBulk:
         found[..., self._kept] = kept[..., self._kept]
         return found
 
+    def forget_schur(self) -> None:
+        """Keep the Schur complement no longer, which is large."""
+        self.schur = None
+
     def destroy(self) -> None:
         """Free PETSc's objects."""
         self._inside.destroy()
@@ -166,7 +170,7 @@ class BulkWithoutFactor(CondensedBulk):
     def _whole(self) -> CondensedBulk:
         if self._made is None:
             self._made = self._make()
-            self._made.schur = None  # it is known
+            self._made.forget_schur()  # it is known
             self.factorisations = self._made.factorisations
         return self._made
 
