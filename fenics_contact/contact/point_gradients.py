@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class AnswerGradient:
     """Derivatives of a quantity in what happens at the points of a contact.
 
@@ -57,6 +57,22 @@ class AnswerGradient:
         friction, slip, jump = vectors
         turned = np.zeros(contact.trace.normals.shape[1])
         return cls(pressure, friction, slip, depth, energy, jump, direction=turned)
+
+    def adding(self, **parts: Any) -> Self:
+        """With further derivatives, which are added to its own.
+
+        Args:
+            parts: By names of attributes, of the same shape; not ``state``.
+        """
+        return replace(self, **{name: getattr(self, name) + by for name, by in parts.items()})
+
+    def plus(self, other: AnswerGradient) -> Self:
+        """The gradient of the sum of two quantities."""
+        parts = {name: part for name, part in vars(other).items() if name != "state"}
+        state = {**self.state}
+        for name, part in other.state.items():
+            state[name] = state[name] + part if name in state else part
+        return replace(self.adding(**parts), state=state)
 
     def traction(self, contact: ContactSurface) -> Array:
         """Its part in the traction that follows the jump, (points, components)."""

@@ -24,8 +24,8 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.scene.values import AXES
 from fenics_contact.simulation.sensitivities.derivatives import require_adjoint
+from fenics_contact.simulation.sensitivities.gradients import gradient_of
 from fenics_contact.simulation.sensitivities.quantity_gradient import QuantityGradient, adjoint_of
-from fenics_contact.simulation.sensitivities.state_gradients import Quantities
 from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -154,7 +154,7 @@ def _squared_adjoint(
     """
     problem, step = load_steps.problem, load_steps.last
     assert step is not None
-    state = Quantities(problem, step.solution).gradient(name)
+    state = gradient_of(problem, step.solution, name)
     multipliers = QuantityGradient(adjoint, step, state).multipliers
     stiffness, energy = adjoint.body.stiffness, state.energy
     virtual = multipliers.displacement - energy * step.solution.displacement

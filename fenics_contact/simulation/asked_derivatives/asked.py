@@ -11,7 +11,7 @@ from fenics_contact.results.records.derivatives import Derivative, Derivatives
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.means import Mean, Means
 from fenics_contact.simulation.sensitivities.derivatives import keys_of
-from fenics_contact.simulation.sensitivities.state_gradients import Quantities
+from fenics_contact.simulation.sensitivities.gradients import find
 from fenics_contact.simulation.sensitivities.values import found_in
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
@@ -36,7 +36,7 @@ def keys_asked_of(problem: Problem) -> list[str]:
     assert asked is not None
     try:
         for name in _with_exact(scene):
-            Quantities(problem).find(name)
+            find(problem, name)
         keys = keys_of(problem, time, asked.by)
     except InputError as error:
         raise InputError(f"derivatives.{error}") from None

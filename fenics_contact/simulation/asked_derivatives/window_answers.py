@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from fenics_contact.simulation.sweeps.rows import row_of_quick
 from fenics_contact.solve.newton.solution import Solution
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class WindowAnswer:
     """An answer somewhere in a window.
 
@@ -30,9 +30,9 @@ class WindowAnswer:
         strips: Of each edge, the area of the cells that it passes through.
     """
 
-    values: Mapping[str, float | None] = field(default_factory=dict)
-    inside: list[Array] = field(default_factory=list)
-    strips: list[float] = field(default_factory=list)
+    values: Mapping[str, float | None]
+    inside: Sequence[Array]
+    strips: Sequence[float]
 
 
 class WindowAnswers:
@@ -68,22 +68,22 @@ class WindowAnswers:
 
     def of(self, scene: Scene) -> WindowAnswer | None:
         """The answer of a scene on the same body, None where there is none; collective."""
-        found = WindowAnswer()
+        inside: list[Array] = []
+        strips: list[float] = []
 
         def watch(problem: Problem, solution: Solution) -> None:
             for contact, state in zip(problem.contacts, solution.states, strict=True):
-                found.inside += areas_inside(contact, state)
+                inside.extend(areas_inside(contact, state))
                 degree = problem.spaces.degree  # pieces end at nodes
-                found.strips += [degree * area for area in cut_areas(contact, state)]
+                strips.extend(degree * area for area in cut_areas(contact, state))
 
         answer = self._quick.answer(scene, follow=False, checks=False, watch=watch)
         if not answer.converged:
             return None
         names = [contact.label for contact in scene.contact]
-        found.values = row_of_quick(answer, names)
-        return found
+        return WindowAnswer(row_of_quick(answer, names), inside, strips)
 
-    def moved(self, one: WindowAnswer, other: WindowAnswer, strips: list[float]) -> Array:
+    def moved(self, one: WindowAnswer, other: WindowAnswer, strips: Sequence[float]) -> Array:
         """By how many cells each edge is elsewhere in another answer; collective.
 
         Args:

@@ -8,13 +8,16 @@ its derivatives are those of a quantity of the step before, whose own adjoint le
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from fenics_contact.common.errors import InputError
+from fenics_contact.contact.point_gradients import AnswerGradient
 from fenics_contact.contact.snapshot import recall
 from fenics_contact.problem.problem import Problem
+from fenics_contact.simulation.sensitivities.gradients import gradient_of
 from fenics_contact.simulation.sensitivities.quantity_gradient import QuantityGradient, adjoint_of
 from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneChanges
-from fenics_contact.simulation.sensitivities.state_gradients import Quantities, StateGradient
+from fenics_contact.simulation.sensitivities.state_gradient import StateGradient
 from fenics_contact.simulation.sensitivities.values import numbers_of
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
@@ -45,8 +48,7 @@ def derivatives(
     """
     problem, last = system.problem, steps[-1]
     require_adjoint(problem)
-    quantities = Quantities(problem, last.solution)
-    states = {name: quantities.gradient(name) for name in of}
+    states = {name: gradient_of(problem, last.solution, name) for name in of}
     keys = keys_of(problem, last.unknowns.time, by)
     found: Derivatives = {name: dict.fromkeys(keys, 0.0) for name in of}
     for step in reversed(that_count(problem, steps)):
@@ -132,14 +134,14 @@ def _go_back_to(load_steps: LoadSteps, step: AcceptedStep) -> None:
 
 def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
     """What is a quantity of the step before: slips that steps count from, laws' arrays, lengths."""
-    found = StateGradient.none(problem)
-    first = len(found.scalars) - len(problem.preloads)
-    found.scalars[first:] = gradient.multipliers.kept_lengths
-    for contact, before, after in zip(
-        problem.contacts, found.contacts, gradient.contacts, strict=True
+    lengths = zip(problem.preloads, gradient.multipliers.kept_lengths, strict=True)
+    found = StateGradient.of_scalars(problem, lengths)
+    for number, (contact, after) in enumerate(
+        zip(problem.contacts, gradient.contacts, strict=True)
     ):
         if contact.friction.follows_path:
             of_slip, of_state = contact.friction.vjp_reference(after.reference)
-            before.slip += of_slip
-            before.state = {**after.state, **of_state}
+            before = AnswerGradient.none(contact).adding(slip=of_slip)
+            before = replace(before, state={**after.state, **of_state})
+            found = found.plus(StateGradient.of_contact(problem, number, before))
     return found

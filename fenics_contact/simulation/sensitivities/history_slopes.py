@@ -16,9 +16,10 @@ from fenics_contact.simulation.sensitivities.derivatives import (
     require_adjoint,
     that_count,
 )
+from fenics_contact.simulation.sensitivities.gradients import gradient_of
 from fenics_contact.simulation.sensitivities.quantity_gradient import QuantityGradient, adjoint_of
 from fenics_contact.simulation.sensitivities.scene_changes import Change
-from fenics_contact.simulation.sensitivities.state_gradients import Quantities, StateGradient
+from fenics_contact.simulation.sensitivities.state_gradient import StateGradient
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -64,9 +65,8 @@ def history_slopes(
         changes = changes_at(step)
         if is_whole or step is last:
             found[step] = {name: np.zeros(len(of)) for name in changes}
-            quantities = Quantities(problem, step.solution)
             for place, name in enumerate(of):
-                going_back[step, place] = quantities.gradient(name)
+                going_back[step, place] = gradient_of(problem, step.solution, name)
         adjoint = adjoint_of(system)
         for (one, place), state in going_back.items():
             gradient = QuantityGradient(adjoint, step, state)

@@ -12,7 +12,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.point_gradients import AnswerGradient, along, vjp
 from fenics_contact.simulation.sensitivities.scene_changes import Change
-from fenics_contact.simulation.sensitivities.state_gradients import StateGradient
+from fenics_contact.simulation.sensitivities.state_gradient import StateGradient
 from fenics_contact.solve.condensed.adjoint import BodyGradient, CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
