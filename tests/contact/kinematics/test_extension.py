@@ -16,6 +16,8 @@ from fenics_contact import (
     Scene,
     Steps,
     Support,
+    load_scene,
+    main,
     run,
 )
 from fenics_contact.common.errors import SceneError
@@ -23,12 +25,35 @@ from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
 from fenics_contact.scene.keys.reference import keys_of
 from fenics_contact.scene.keys.schema import scene_schema
 from tests.contact.kinematics import ellipse
-from tests.scenes import box_body, with_solver
+from tests.scenes import ROOT, box_body, with_solver
 from tests.simulation.restart.test_state_file import resumed, stopped_after
+from tests.simulation.sweeps.inline import inline, rows_of, swept
 
+assert inline  # a fixture
 COMM = MPI.COMM_WORLD
 HALF_AXIS = 0.5
 DEPTH = 0.005
+SCENE = """
+kinematics = "plane strain"
+[mesh]
+file = "{mesh}"
+parameters = {{ length = 1, height = 1, cells_along = {cells}, cells_across = {cells} }}
+[material]
+youngs_modulus = 1000
+poissons_ratio = 0.3
+[[support]]
+on = "bottom"
+displacement = {{ x = 0, y = 0 }}
+[[contact]]
+on = "top"
+[contact.obstacle]
+shape = "ellipse"
+radius = 1.5
+position = [0.5, 1.0]
+indentation = 0.02
+{more}
+"""
+WITHOUT_ERRORS = '[solver]\nerrors = "none"'
 BY = ("contact.0.obstacle.indentation", "contact.0.obstacle.radius")
 
 
@@ -49,6 +74,19 @@ def pressed(shape, radius, depth=DEPTH, **more):
         **more,
     )
     return with_solver(scene, errors="none")
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """A file of a scene of the ellipse, wide enough for the cells of a slab that is remeshed."""
+
+    def written(more="", cells=16):
+        path = tmp_path / "pressed.toml"
+        mesh = ROOT / "meshes" / "slab.geo"
+        path.write_text(SCENE.format(mesh=mesh, cells=cells, more=more))
+        return path
+
+    return written
 
 
 def square():
@@ -89,6 +127,46 @@ def test_forces_have_derivatives_by_its_numbers():
     slopes = found["normal_force"]
     assert slopes[BY[0]].discrete == pytest.approx(by_depth / (0.002 * DEPTH), rel=2e-3)
     assert slopes[BY[1]].discrete == pytest.approx(by_radius / (0.002 * HALF_AXIS), rel=2e-2)
+
+
+@pytest.mark.serial
+@pytest.mark.errors
+def test_it_has_a_bar_that_holds(scene):
+    found = run(load_scene(scene(cells=24)))
+    fine = run(load_scene(scene(WITHOUT_ERRORS, cells=64))).quantities["normal_force"]
+    bar = found.errors["normal_force"]["total"]
+    assert abs(found.quantities["normal_force"] - fine) < bar < 0.05 * fine
+
+
+@pytest.mark.serial
+@pytest.mark.errors
+def test_an_accuracy_is_reached_under_it(scene):
+    found = run(load_scene(scene("[accuracy]\nnormal_force = 3e-3", cells=8)))
+    fine = run(load_scene(scene(WITHOUT_ERRORS, cells=64))).quantities["normal_force"]
+    force, bar = found.quantities["normal_force"], found.errors["normal_force"]["total"]
+    assert found.exit_code == 0 and len(found.levels) > 1
+    assert abs(force - fine) < bar <= 3e-3 * force
+
+
+@pytest.mark.serial
+def test_sweeps_vary_its_numbers(scene, tmp_path, inline):
+    """Wider ones are flatter, and press harder at the same depth."""
+    path = scene(WITHOUT_ERRORS)
+    swept(path, [f"{BY[1]}=1.2,1.5"], tmp_path / "out")
+    found = [float(row["normal_force"]) for row in rows_of(tmp_path / "out")]
+    runs = [run(load_scene(path, [f"{BY[1]}={size}"])) for size in (1.2, 1.5)]
+    assert found == pytest.approx([one.quantities["normal_force"] for one in runs], rel=1e-8)
+    assert found[0] < found[1]
+
+
+@pytest.mark.serial
+def test_the_page_of_a_run_has_it(scene, tmp_path):
+    folder = tmp_path / "out"
+    path = scene(WITHOUT_ERRORS, cells=8)
+    assert main(["run", str(path), "--out", str(folder), "--quiet"]) in (0, 4)
+    assert main(["report", str(folder), "--quiet"]) == 0
+    (page,) = folder.glob("*.html")
+    assert "ellipse" in page.read_text(encoding="utf-8")
 
 
 @pytest.mark.serial
