@@ -13,6 +13,7 @@ A block of Python after ``<!-- example: saved as FILE -->`` is a file of that na
 
 from __future__ import annotations
 
+import importlib
 import re
 import shlex
 import subprocess
@@ -27,6 +28,7 @@ from markdown_it import MarkdownIt
 from fenics_contact import Run, load_scene
 from fenics_contact.cli.options import parse
 from fenics_contact.contact.laws import allowed
+from tests.registered import nothing_stays_registered
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.serial
@@ -121,7 +123,10 @@ def copy_of_repository(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(allowed, "_modules", {})  # laws of a page are no other test's
     monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
-    return tmp_path
+    with nothing_stays_registered():
+        yield tmp_path
+    for name in SAVED:
+        sys.modules.pop(name.removesuffix(".py"), None)
 
 
 def merged(base, change):
@@ -215,6 +220,9 @@ def test_python(block, copy_of_repository):
     for other in blocks_of(block.page):
         if other.said.startswith("saved as "):
             (copy_of_repository / other.said.removeprefix("saved as ")).write_text(other.text)
+    if block.said.startswith("saved as "):
+        importlib.import_module(block.said.removeprefix("saved as ").removesuffix(".py"))
+        return
     is_script = 'if __name__ == "__main__"' in block.text
     name = "__main__" if is_script else "__example__"
     exec(compile(block.text, str(block), "exec"), {"__name__": name})
