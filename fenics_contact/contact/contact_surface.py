@@ -320,7 +320,7 @@ class ContactSurface:
     @property
     def can_shear(self) -> bool:
         """Whether it can exert a force along a flat surface."""
-        return self.friction.carries_shear
+        return self.friction.carries_shear or self.normal.exerts_shear
 
     @property
     def has_penalty(self) -> bool:

@@ -49,15 +49,23 @@ def resultants(
 
 
 def _friction(contact: ContactSurface, state: ContactState, force: Array) -> Array:
-    """On the slave: of the law at the nodes; of glue, of its traction; of smooth contacts none."""
-    if contact.friction.has_friction:
-        return resultant(contact.spaces, force[contact.owned_nodes])
-    if not contact.can_shear:
-        return np.zeros(contact.spaces.components)
-    friction = np.asarray(contact.trace.integral(state.friction_traction))
+    """Force along the surface on the slave; collective.
+
+    That of a friction law is at the nodes, that of a law across the contact, such as glue, at the
+    points.
+    """
+    rubs, normal = contact.friction.has_friction, contact.normal
+    found = np.zeros(contact.spaces.components)
+    if rubs:
+        found = resultant(contact.spaces, force[contact.owned_nodes])
+    if normal.exerts_shear:
+        traction = state.friction_traction
+        if rubs:
+            traction = normal.traction(contact.kinematics.jump_at_points())
+        found = found + contact.trace.integral(traction)
     if contact.spaces.kinematics == "axisymmetric":
-        friction[0] = 0.0
-    return friction
+        found[0] = 0.0
+    return found
 
 
 def resultant(spaces: Spaces, forces: Array) -> Array:

@@ -57,9 +57,14 @@ class EnergyLaw(SpringLaw):
         return form_cache.form(ufl.derivative(ufl.derivative(self.energy, jump), jump))
 
     def pressure_ufl(self, jump: Expr) -> Expr:
-        """∂ψ/∂d, the pressure of a jump in UFL (stress)."""
-        depth = ufl.variable(depth_of(jump, self.site.trace.normal, self._gap.ufl))
-        return ufl.diff(self.density(depth, jump, **self._in_ufl) / self._softness, depth)
+        """∂ψ/∂d + ∂ψ/∂w · n, the pressure of a jump in UFL (stress)."""
+        normal = self.site.trace.normal
+        depth, moved = ufl.variable(depth_of(jump, normal, self._gap.ufl)), ufl.variable(jump)
+        density = self.density(depth, moved, **self._in_ufl) / self._softness
+        pressure = ufl.diff(density, depth)
+        if self._at_points.vanishes("jump"):
+            return pressure
+        return pressure + ufl.dot(ufl.diff(density, moved), normal)
 
     @cached_property
     def _at_points(self) -> PointDensity:

@@ -95,6 +95,11 @@ class NormalLaw(ContactLaw, ContactForce):
         return super().has_derivatives and (own or not self.follows_jump)
 
     @property
+    def exerts_shear(self) -> bool:
+        """Whether it exerts a traction along the surface as well."""
+        return False
+
+    @property
     def is_load(self) -> bool:
         """Whether it has ``loads``, without the cost of making their forms."""
         return bool(self.loads)

@@ -88,6 +88,13 @@ class _AtJump:
         return self.points.curvatures("depth", "jump", **self.values)[:, 0] / self.softness
 
     @cached_property
+    def pressure_slope(self) -> Array:
+        """Those of the pressure in the jump, (points, components) (stress/length)."""
+        if self.points.vanishes("jump"):
+            return self.across[:, None] * self.normals
+        return np.asarray(np.einsum("ij,ijk->ik", self.normals, self.tangent))
+
+    @cached_property
     def tangent(self) -> Array:
         """All of them in the jump, (points, components, components) (stress/length)."""
         points, normals = self.points, self.normals
@@ -145,6 +152,11 @@ class SpringLaw(NormalLaw):
     def tangent(self) -> CompiledForm:
         """Its derivative in the jump."""
 
+    @property
+    def exerts_shear(self) -> bool:
+        """Whether ψ depends on the jump besides the depth."""
+        return not self._at_points.vanishes("jump")
+
     @abstractmethod
     def fields(self) -> Mapping[str, Array]:
         """Parameters of the density at the points, by name, each (points,)."""
@@ -161,7 +173,7 @@ class SpringLaw(NormalLaw):
 
     @abstractmethod
     def pressure_ufl(self, jump: Expr) -> Expr:
-        """∂ψ/∂d, the pressure of a jump in UFL (stress)."""
+        """The pressure of a jump in UFL, the part of ψ's derivatives across the surface (stress)."""
 
     def set_gap(self, gap: Array) -> None:
         """Follow an obstacle that moves along the surface."""
@@ -241,9 +253,7 @@ class SpringLaw(NormalLaw):
 
     def pressure_slope(self, jump: Array) -> Array:
         """Derivative of ``pressure_ufl`` in the jump, (points, components) (stress/length)."""
-        at = self._at(jump)
-        across = at.across[:, None] * self.site.trace.normals
-        return across if at.mixed is None else across + at.mixed
+        return self._at(jump).pressure_slope
 
     def stiffness(self, depth: Array) -> Array:
         """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""
