@@ -25,8 +25,9 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.forms import Expr
 from fenics_contact.body.materials import Elasticities
-from fenics_contact.body.parts.preloaded_part import PreloadedPart, PreloadForces
+from fenics_contact.body.parts.preloaded_part import PreloadedPart
 from fenics_contact.body.reference_moduli import Moduli
+from fenics_contact.body.scalar_forces import ScalarForces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
@@ -57,7 +58,8 @@ class ElasticBody:
     Attributes:
         name: What is modelled, in words.
         displacement: The unknown, a dolfinx function.
-        preloaded: Parts whose unstressed length is changed, and what that does to the body.
+        preloaded: Parts whose unstressed length is changed.
+        scalar_forces: What each scalar of the energy, such as that change, does to the body.
         stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed.
         mixed: The forms of a mean stress, or None.
         reference_modulus: Largest stiffness of the body (stress).
@@ -83,8 +85,8 @@ class ElasticBody:
         energy = strain_energy(self.strain(displacement), stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
         self.stiffness = form_cache.form(ufl.derivative(residual, displacement))
-        self._parts = self._place_preloads(description)
-        self.preloaded = [self._forces_of(part) for part in self._parts]
+        self.preloaded = self._place_preloads(description)
+        self.scalar_forces = [self._forces_of(part) for part in self.preloaded]
 
     def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:
         """The preloaded parts, which share no cells; collective."""
@@ -103,7 +105,7 @@ class ElasticBody:
             found.append(part)
         return found
 
-    def _forces_of(self, part: PreloadedPart) -> PreloadForces:
+    def _forces_of(self, part: PreloadedPart) -> ScalarForces:
         """Derivatives of the energy in a part, of the strain that is elastic."""
         shortening = ufl.variable(part.shortening)
         e = self.strain(self.displacement) - part.stressless_strain(shortening)
@@ -114,8 +116,9 @@ class ElasticBody:
             assert isinstance(self.law, Isotropic)
             mean_stress = self.mixed.mean_stress
             density = 0.5 * ufl.inner(self.law.deviatoric_stress(e), e) + mean_stress * ufl.tr(e)
-        weighted = self._spaces.weight * density
-        return PreloadForces.of(part, weighted, shortening, self.displacement, mean_stress)
+        energy = self._spaces.weight * density, part.measure, shortening
+        known = self._spaces, part.shortening
+        return ScalarForces.of(*known, energy, self.displacement, mean_stress)
 
     def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
         """Those of the stiffest of the parts that nodes of this rank belong to; collective."""
@@ -144,7 +147,7 @@ class ElasticBody:
         To be taken for what the body is at, not for variations of that.
         """
         found = self.strain(displacement)
-        for part in self._parts:
+        for part in self.preloaded:
             found -= part.present_strain
         return found
 

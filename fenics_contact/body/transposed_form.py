@@ -23,12 +23,12 @@ class ForcesOnState:
     Attributes:
         nodal: On the displacement, (nodes, components).
         on_mean_stress: On the mean stress, at its dofs of this rank; empty without one.
-        on_shortenings: On those of preloaded parts, (preloads,).
+        on_scalars: On the scalars q of the body's energy, (scalars,).
     """
 
     nodal: Array
     on_mean_stress: Array
-    on_shortenings: Array
+    on_scalars: Array
 
     @classmethod
     def sum(cls, parts: Sequence[ForcesOnState]) -> ForcesOnState:
@@ -36,7 +36,7 @@ class ForcesOnState:
         return cls(
             np.sum([part.nodal for part in parts], axis=0),
             np.sum([part.on_mean_stress for part in parts], axis=0),
-            np.sum([part.on_shortenings for part in parts], axis=0),
+            np.sum([part.on_scalars for part in parts], axis=0),
         )
 
 
@@ -46,7 +46,7 @@ class TransposedForm:
     Args:
         form: In UFL, linear in the test function v and in the state.
         spaces: Those of the body.
-        elastic: Its energy: shortenings, and a mean stress where there is one.
+        elastic: Its energy: scalars, and a mean stress where there is one.
         displacement: That of the state, in the form.
     """
 
@@ -61,7 +61,7 @@ class TransposedForm:
         if elastic.mixed is not None:
             stress = elastic.mixed.mean_stress
             self._on_mean_stress = form_cache.form(ufl.derivative(along, stress))
-        if elastic.preloaded:
+        if elastic.scalar_forces:
             self._value = form_cache.form(along)
 
     def of(self, test: Array) -> ForcesOnState:
@@ -78,27 +78,27 @@ class TransposedForm:
             vector = fem.assemble_vector(self._on_mean_stress)
             on_mean_stress = summed_over_ranks(vector.index_map, np.array(vector.array))
         return ForcesOnState(
-            spaces.assemble(self._on_displacement), on_mean_stress, self._of_shortenings()
+            spaces.assemble(self._on_displacement), on_mean_stress, self._of_scalars()
         )
 
-    def _of_shortenings(self) -> Array:
-        """The form at a state of a unit of each shortening alone."""
-        parts = [one.part for one in self._elastic.preloaded]
-        found = np.zeros(len(parts))
+    def _of_scalars(self) -> Array:
+        """The form at a state of a unit of each scalar alone."""
+        scalars = [one.present for one in self._elastic.scalar_forces]
+        found = np.zeros(len(scalars))
         if self._value is None:
             return found
         mixed = self._elastic.mixed
         functions = [self._displacement] + ([] if mixed is None else [mixed.mean_stress])
         before = [function.x.array.copy() for function in functions]
-        shortenings = [float(part.shortening.value) for part in parts]
+        values_before = [float(scalar.value) for scalar in scalars]
         for function in functions:
             function.x.array[:] = 0.0
-        for number in range(len(parts)):
-            for other, part in enumerate(parts):
-                part.shortening.value = 1.0 if other == number else 0.0
+        for number in range(len(scalars)):
+            for other, scalar in enumerate(scalars):
+                scalar.value = 1.0 if other == number else 0.0
             found[number] = total(self._spaces.comm, fem.assemble_scalar(self._value))
         for function, values in zip(functions, before, strict=True):
             function.x.array[:] = values
-        for part, value in zip(parts, shortenings, strict=True):
-            part.shortening.value = value
+        for scalar, value in zip(scalars, values_before, strict=True):
+            scalar.value = value
         return found

@@ -308,7 +308,7 @@ class ContactSurface:
         return self.trace.surface.on_body(ones) > 0
 
     @property
-    def floats(self) -> bool:
+    def has_unknown_position(self) -> bool:
         """Whether the obstacle's position is an unknown: a force drives it, or it is glued on.
 
         An obstacle that no force drives, and that pushes only, is left out.

@@ -13,9 +13,9 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root, total
 from fenics_contact.evaluate.needed_forces import Balances, NeededForces
-from fenics_contact.evaluate.rows_of_body import RowsOfBody, at_far_field, prescribed
+from fenics_contact.evaluate.rows_of_body import RowsOfBody, prescribed
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import ContactScalar, PreloadState
+from fenics_contact.problem.scalars.body_scalar import ScalarState
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.rows.row import GivenState
@@ -45,23 +45,25 @@ class CondensedForces(NeededForces):
     ) -> None:
         super().__init__(problem, solution)
         self._body, self._rows = body, RowsOfBody(problem, body)
-        self._shortenings = problem.of_preloads(scalars)
-        far = [
-            (float(value), unknown.column)
+        self._scalars = problem.of_body_scalars(scalars)
+        moving = [
+            (float(value), unknown.motion)
             for value, unknown in zip(scalars, problem.unknowns, strict=True)
-            if isinstance(unknown, ContactScalar) and unknown.column is not None
+            if unknown.motion is not None
         ]
-        self._resultants = np.array([value for value, _ in far])
-        self._columns = [at_far_field(problem, column) for _, column in far]
+        self._moving = np.array([value for value, _ in moving])
+        self._motions = [
+            motion.of_all(problem.load.size).reshape(problem.load.shape) for _, motion in moving
+        ]
         self._prescribed = prescribed(problem)
         self._displacement = body.dofs.placed(position).reshape(problem.load.shape)
         self._displacement += self._prescribed
-        for value, column in zip(self._resultants, self._columns, strict=True):
+        for value, column in zip(self._moving, self._motions, strict=True):
             self._displacement += value * column
         stiffness = body.stiffness
         self._load = stiffness.share(self.load)
         forces = self._load + stiffness.share(self.contacts)
-        for value, share in zip(self._shortenings, self._rows.of_shortenings, strict=True):
+        for value, share in zip(self._scalars, self._rows.of_scalars, strict=True):
             forces -= value * share
         at_unknowns = stiffness.at_unknowns(self._displacement)
         self._state = GivenState(position, at_unknowns[body.held], forces)
@@ -74,21 +76,21 @@ class CondensedForces(NeededForces):
 
     @cached_property
     def _of_given(self) -> tuple[Array, Array]:
-        """Work of the loads, of reactions on displacements of supports, and on each far field.
+        """Work of the loads, of reactions on displacements of supports, and on each motion.
 
-        And what each of these and of the shortenings does to the free contact dofs, (…, dofs).
+        And what each of these and of the body's scalars does to the free contact dofs, (…, dofs).
         """
         given = self._body.rows.given
-        shares = given.shares(self._rows.given([self._load], [self._prescribed, *self._columns]))
+        shares = given.shares(self._rows.given([self._load], [self._prescribed, *self._motions]))
         return given.values(shares, self._state), given.of_contacts(shares)
 
     @cached_property
     def unbalanced(self) -> Array:
         """K u less loads and contacts at the free contact dofs, 0 elsewhere."""
         _, columns = self._of_given
-        far = 2 + len(self._resultants)
-        acting = columns[0] - columns[1] - self._resultants @ columns[2:far]
-        acting -= self._shortenings @ columns[far:]
+        far = 2 + len(self._moving)
+        acting = columns[0] - columns[1] - self._moving @ columns[2:far]
+        acting -= self._scalars @ columns[far:]
         found = self._body.bulk_forces(self._state.contacts)
         needed = None if found is None else found - acting
         needed = np.asarray(from_root(self.problem.comm, needed))
@@ -113,18 +115,18 @@ class CondensedForces(NeededForces):
     def given_work(self) -> float:
         """Of loads and reactions on the displacement (energy)."""
         works, _ = self._of_given
-        return float(works[0] + works[1] + self._resultants @ works[2 : 2 + len(self._resultants)])
+        return float(works[0] + works[1] + self._moving @ works[2 : 2 + len(self._moving)])
 
     @cached_property
     def strain_energy(self) -> float:
         """½ a(u, u): the work of all nodal forces, as the bulk is linear (energy)."""
         product = self._summed(self._displacement * (self.unbalanced + self.contacts))
-        return 0.5 * (self.given_work + product + self.solution.along_shortenings)
+        return 0.5 * (self.given_work + product + self.solution.work_on_scalars)
 
     @cached_property
     def of_supports(self) -> Array:
         """Resultant of each applied support, (supports, components) (force)."""
-        return self._rows.supports(self._state, self._shortenings)
+        return self._rows.supports(self._state, self._scalars)
 
     @property
     def of_all_supports(self) -> Array:
@@ -164,16 +166,16 @@ class CondensedForces(NeededForces):
 
     def of_stress(self, number: int) -> Array:
         """∫ σ n over the slave surface of a contact, by its number (force)."""
-        return self._rows.stress(number, self._state, self._shortenings)
+        return self._rows.stress(number, self._state, self._scalars)
 
-    def preload_states(self) -> tuple[PreloadState, ...]:
-        """Preloaded parts, by what the body makes of their shortening."""
+    def scalar_states(self) -> tuple[ScalarState, ...]:
+        """The body's scalars, with the forces on them that follow from the displacement."""
         works, _ = self._of_given
-        states = zip(self.problem.preloads, self._shortenings, strict=True)
-        along = works[2 + len(self._resultants) :]
+        on_scalars = works[2 + len(self._moving) :]
+        known = zip(self.problem.body_scalars, self._scalars, on_scalars, strict=True)
         return tuple(
-            preload.state_at(float(force) + preload.bulk.stiffness * float(value), float(value))
-            for force, (preload, value) in zip(along, states, strict=True)
+            one.state_at(float(force) + one.forces_on_body.stiffness * float(value), float(value))
+            for one, value, force in known
         )
 
     def works_since(self, before: NeededForces | None) -> tuple[float, float]:
@@ -183,11 +185,11 @@ class CondensedForces(NeededForces):
             return 0.5 * float(works[0]), 0.5 * (self.given_work - float(works[0]))
         assert isinstance(before, CondensedForces)
         given = self._body.rows.given
-        held = [self._prescribed, *self._columns, before._prescribed, *before._columns]
+        held = [self._prescribed, *self._motions, before._prescribed, *before._motions]
         shares = given.shares(self._rows.given([self._load, before._load], held))
         now, then = (given.values(shares, one._state) for one in (self, before))
         loads = 0.5 * float((now - then)[:2].sum())
-        own, others = (np.array([1.0, *one._resultants]) for one in (self, before))
+        own, others = (np.array([1.0, *one._moving]) for one in (self, before))
         moved = np.concatenate([own, -others])
         return loads, 0.5 * float(moved @ (now + then)[2 : 2 + len(moved)])
 

@@ -70,7 +70,7 @@ class EnergyBook:
 
     Attributes:
         work: External work so far (energy).
-        done: The same without regard to signs: of loads, supports, obstacles and preloads in every
+        done: The same without regard to signs: of loads, supports, obstacles and scalars in every
             step (energy).
         round_off: What the accepted imbalance may leave of the balance (energy).
         left_open: What the steps leave open of the work, where points began to touch, to slip,
@@ -88,7 +88,7 @@ class EnergyBook:
         self._before: NeededForces | None = None
         self._last: dict[str, Array] = {}
         self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
-        self._last |= {"preloads": np.zeros((len(problem.preloads), 2))}
+        self._last |= {"scalars": np.zeros((len(problem.body_scalars), 2))}
         self._overlaps: list[Array | float] = [0.0] * len(problem.contacts)
         self._first = 0.0
         if problem.inertia is not None:
@@ -100,8 +100,8 @@ class EnergyBook:
         self._first = first.energy + inertia.kinetic_energy(state.velocity)
         self._last |= {"pressures": first.pressures.copy(), "motions": state.motions.copy()}
         self._overlaps = list(first.overlaps)
-        if first.preloads:
-            self._last["preloads"] = np.array(first.preloads)
+        if first.scalars:
+            self._last["scalars"] = np.array(first.scalars)
 
     def count(self, forces: NeededForces) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
@@ -116,7 +116,7 @@ class EnergyBook:
         motions = last["motions"].copy()
         done += [self._work_of_obstacle(i, solution) for i in range(len(problem.contacts))]
         motions = last["motions"] - motions
-        done += self._works_of_preloads(solution)
+        done += self._works_on_scalars(solution)
         self.work += float(sum(done))
         self.done += float(np.abs(done).sum())
         farthest = largest(problem.comm, np.abs(moved[: problem.spaces.owned_nodes]))
@@ -162,12 +162,12 @@ class EnergyBook:
         pressure = 0.5 * (before.state.contact_pressure + state.contact_pressure)
         return work + float(contact.trace.integral(pressure * pushed_in))
 
-    def _works_of_preloads(self, solution: Solution) -> list[float]:
-        """∫ N dq of each in a step; it becomes the last step's."""
-        last = self._last["preloads"]
-        rows = [(state.force, state.shortening) for state in solution.preloads]
+    def _works_on_scalars(self, solution: Solution) -> list[float]:
+        """∫ N dq of each of the body's scalars in a step; it becomes the last step's."""
+        last = self._last["scalars"]
+        rows = [(state.force, state.value) for state in solution.scalars]
         now = np.array(rows).reshape(last.shape)
-        self._last["preloads"] = now
+        self._last["scalars"] = now
         works = 0.5 * (last[:, 0] + now[:, 0]) * (now[:, 1] - last[:, 1])
         return [float(work) for work in works]
 
@@ -259,7 +259,7 @@ class EnergyBook:
 
         Where the loop is closed, what drives put in is what friction takes. Of what is still stored
         at its end, and was not at its begin, ``energy_balance`` judges. A loss is judged by its own
-        size: beside a large preload the other check would not see it.
+        size: beside a large static load the other check would not see it.
         """
         begin, end = self._cycle
         if begin is None or end is None or not self.applies or end.done == begin.done:

@@ -32,9 +32,9 @@ class MovingForces(BulkForces):
 
     @property
     def strain_energy(self) -> float:
-        """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
+        """½ a(e, e) of the elastic strain e: beyond what is free of stress (energy)."""
         product = self._summed(self.displacement * self._step.internal)
-        return 0.5 * (product + self.solution.along_shortenings)
+        return 0.5 * (product + self.solution.work_on_scalars)
 
     @property
     def momenta(self) -> Array:

@@ -16,7 +16,7 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.evaluate.recovered_pressure import reaction_pressure
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import PreloadState
+from fenics_contact.problem.scalars.body_scalar import ScalarState
 from fenics_contact.solve.newton.solution import Solution
 
 
@@ -81,7 +81,7 @@ class NeededForces(ABC):
     @property
     @abstractmethod
     def strain_energy(self) -> float:
-        """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
+        """½ a(e, e) of the elastic strain e: beyond what is free of stress (energy)."""
 
     @property
     @abstractmethod
@@ -118,8 +118,8 @@ class NeededForces(ABC):
         """∫ σ n over the slave surface of a contact, by its number, (components,) (force)."""
 
     @abstractmethod
-    def preload_states(self) -> tuple[PreloadState, ...]:
-        """Preloaded parts, by the displacement and their shortening."""
+    def scalar_states(self) -> tuple[ScalarState, ...]:
+        """The body's scalars, with the forces on them that follow from the displacement."""
 
     @abstractmethod
     def works_since(self, before: NeededForces | None) -> tuple[float, float]:

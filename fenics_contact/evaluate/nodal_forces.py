@@ -13,7 +13,7 @@ from fenics_contact.evaluate.contact_resultants import resultant
 from fenics_contact.evaluate.needed_forces import Balances, NeededForces, own_dofs
 from fenics_contact.evaluate.surface_stress import stress_on
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import PreloadState
+from fenics_contact.problem.scalars.body_scalar import ScalarState
 from fenics_contact.solve.newton.solution import Solution
 
 
@@ -57,10 +57,10 @@ class BulkForces(NeededForces):
 
     @cached_property
     def strain_energy(self) -> float:
-        """½ a(u, u); in preloaded parts of the strain beyond the one free of stress (energy)."""
+        """½ a(e, e) of the elastic strain e: beyond what is free of stress (energy)."""
         solution = self.solution
         product = self._summed(solution.displacement * solution.internal_force)
-        return 0.5 * (product + solution.along_shortenings)
+        return 0.5 * (product + solution.work_on_scalars)
 
     @cached_property
     def of_supports(self) -> Array:
@@ -119,9 +119,9 @@ class BulkForces(NeededForces):
         owned = spaces.assemble(form)[: spaces.owned_nodes]
         return np.asarray(total(spaces.comm, owned.sum(axis=0)))
 
-    def preload_states(self) -> tuple[PreloadState, ...]:
-        """Preloaded parts, by the displacement and their shortening."""
-        return self.problem.preload_states(self.displacement)
+    def scalar_states(self) -> tuple[ScalarState, ...]:
+        """The body's scalars, with the forces on them that follow from the displacement."""
+        return self.problem.scalar_states(self.displacement)
 
     def works_since(self, before: NeededForces | None) -> tuple[float, float]:
         """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy)."""

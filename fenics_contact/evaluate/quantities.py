@@ -41,18 +41,11 @@ def support_records(forces: NeededForces) -> list[SupportRecord]:
     ]
 
 
-def preload_records(problem: Problem, solution: Solution) -> dict[str, PreloadRecord]:
-    """Each preload of an answer, by its name."""
-    return {
-        preload.scene.label: PreloadRecord(
-            on=preload.scene.on,
-            force=state.force,
-            elongation=state.shortening,
-            initial_strain=state.initial_strain,
-            locked=state.is_locked,
-        )
-        for preload, state in zip(problem.preloads, solution.preloads, strict=True)
-    }
+def scalar_records(problem: Problem, solution: Solution) -> dict[str, PreloadRecord]:
+    """Records of the body's scalars in an answer, by their labels; of those that have one."""
+    pairs = zip(problem.body_scalars, solution.scalars, strict=True)
+    found = {scalar.label: scalar.record(state) for scalar, state in pairs}
+    return {label: record for label, record in found.items() if record is not None}
 
 
 def _mean_displacement(forces: NeededForces, dofs: Integers) -> list[float | None]:
@@ -80,7 +73,7 @@ def global_quantities(forces: NeededForces, contacts: list[dict[str, Any]]) -> d
         work += pushed @ surface.kinematics.displacement
         pressure = float(surface.trace.integral(state.contact_pressure))
         work += pressure * surface.kinematics.pressing_interference
-    work += sum(state.force * state.shortening for state in solution.preloads)
+    work += solution.work_on_scalars
     made = of_all_contacts(contacts)
     return {
         **{name: made[name] for name in table.resultants_of_contacts()},

@@ -31,14 +31,14 @@ class RowsOfBody:
     def __init__(self, problem: Problem, body: CondensedBody) -> None:
         self._problem, self._body, self._rows = problem, body, body.rows
         share = body.stiffness.share
-        #: This rank's shares of what a unit of each shortening puts on the body (force/length).
-        self.of_shortenings = self._rows.once(
-            "shortenings",
-            lambda: [share(p.bulk.nodal, p.bulk.on_mean_stress) for p in problem.preloads],
+        forces = problem.elastic.scalar_forces
+        #: This rank's shares of what a unit of each of its scalars puts on the body (force/length).
+        self.of_scalars = self._rows.once(
+            "scalars", lambda: [share(one.nodal, one.on_mean_stress) for one in forces]
         )
 
     def given(self, loads: Sequence[Array], held: Sequence[Array]) -> list[Functional]:
-        """Of loads, displacements of what is held, and what shortenings put on the body.
+        """Of loads, displacements of what is held, and what the body's scalars put on it.
 
         Args:
             loads: This rank's shares (force).
@@ -48,13 +48,13 @@ class RowsOfBody:
         return [
             *(Functional(forces=share) for share in loads),
             *(Functional(held=at_unknowns(nodal)) for nodal in held),
-            *(Functional(forces=share) for share in self.of_shortenings),
+            *(Functional(forces=share) for share in self.of_scalars),
         ]
 
     def make_all(self) -> None:
         """Make the rows that an answer of the problem asks for, if they are not there."""
         problem, rows = self._problem, self._rows
-        none = np.zeros(len(problem.preloads))
+        none = np.zeros(len(problem.body_scalars))
         held = np.zeros(int(rows.maker.held.sum()))
         state = GivenState(np.zeros(rows.maker.count), held, np.zeros(len(rows.maker.held)))
         self.supports(state, none)
@@ -63,18 +63,18 @@ class RowsOfBody:
         for number in range(len(problem.contacts)):
             self.stress(number, state, none)
             self.across(number, state)
-        columns = [unknown.column for unknown in problem.unknowns if unknown.column is not None]
-        far = [at_far_field(problem, column) for column in columns]
+        motions = [unknown.motion for unknown in problem.unknowns if unknown.motion is not None]
+        moved = [one.of_all(problem.load.size).reshape(problem.load.shape) for one in motions]
         load = self._body.stiffness.share(problem.load)
-        rows.given.shares(self.given([load], [prescribed(problem), *far]))
+        rows.given.shares(self.given([load], [prescribed(problem), *moved]))
 
-    def supports(self, state: GivenState, shortenings: Array) -> Array:
+    def supports(self, state: GivenState, scalars: Array) -> Array:
         """Resultant of each applied support, (supports, components) (force)."""
         problem = self._problem
         found = np.zeros((len(problem.applied_supports), problem.spaces.components))
         for (number, axis, _), value in self._by_parts(state).items():
             found[int(number), int(axis)] += value
-        return found + self._beyond(state, shortenings)
+        return found + self._beyond(state, scalars)
 
     def _by_parts(self, state: GivenState) -> dict[Key, float]:
         """Of each support, axis and part of the body; radial forces cancel."""
@@ -104,7 +104,7 @@ class RowsOfBody:
         nodal = nodal.reshape(self._problem.load.shape)
         return Functional(held=self._body.stiffness.at_unknowns(nodal))
 
-    def _beyond(self, state: GivenState, shortenings: Array) -> Array:
+    def _beyond(self, state: GivenState, scalars: Array) -> Array:
         """Where supports meet, what each has of what is counted to the first, as ``supports``."""
         problem = self._problem
         found = np.zeros((len(problem.applied_supports), problem.spaces.components))
@@ -113,7 +113,7 @@ class RowsOfBody:
         wanted = {key: partial(self._on_state, one, held) for key, (held, one) in parts.items()}
         values = self._rows.group("shared").values(wanted, state) if parts else {}
         for key, (_, one) in parts.items():
-            found[key] = values[key] + one.on_shortenings @ shortenings
+            found[key] = values[key] + one.on_scalars @ scalars
         return found
 
     def of_parts(self, state: GivenState) -> tuple[Array, Array]:
@@ -194,13 +194,13 @@ class RowsOfBody:
         nodes = index_map.local_to_global((dofs // size).astype(np.int32)).astype(np.int64)
         return [(number,) for number in (nodes * size + dofs % size).tolist()]
 
-    def stress(self, number: int, state: GivenState, shortenings: Array) -> Array:
+    def stress(self, number: int, state: GivenState, scalars: Array) -> Array:
         """∫ σ n over the slave surface of a contact, by its number, (components,) (force)."""
         name = f"stress {number}"
         parts = self._rows.once(name, partial(self._stress_at, number))
         wanted: Wanted = {(n,): partial(self._on_state, one) for n, one in enumerate(parts)}
         found = np.array(list(self._rows.group(name).values(wanted, state).values()))
-        return found + [one.on_shortenings @ shortenings for one in parts]
+        return found + [one.on_scalars @ scalars for one in parts]
 
     def _stress_at(self, number: int) -> list[ForcesOnState]:
         """What ∫ σ n is of a state, by components."""
@@ -244,12 +244,4 @@ def prescribed(problem: Problem) -> Array:
     """Displacements of supports at present, 0 elsewhere, (nodes, components) (length)."""
     found = np.zeros(problem.load.size)
     found[problem.constrained] = problem.prescribed
-    return found.reshape(problem.load.shape)
-
-
-def at_far_field(problem: Problem, column: Array) -> Array:
-    """The far field over a unit resultant, 0 elsewhere, likewise."""
-    found = np.zeros(problem.load.size)
-    assert problem.far_field is not None
-    found[problem.far_field.dofs] = column
     return found.reshape(problem.load.shape)

@@ -26,13 +26,8 @@ from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.inertia.automatic_step import with_time_step
 from fenics_contact.problem.inertia.inertia import Inertia
 from fenics_contact.problem.loads import given_loads
-from fenics_contact.problem.scalar_unknowns import (
-    Indentation,
-    PreloadState,
-    Resultant,
-    ScalarUnknown,
-    Shortening,
-)
+from fenics_contact.problem.scalars.body_scalar import BodyScalar, ScalarState
+from fenics_contact.problem.scalars.kinds import scalars_of
 from fenics_contact.problem.shared_reactions import SharedReactions
 from fenics_contact.problem.terms import Term, terms_of
 from fenics_contact.results.point_arrays import of_several_contacts
@@ -58,8 +53,8 @@ class Problem:
         prescribed: Their present displacements, but for unknown resultants' part (length).
         contacts: In scene order.
         own_arrays: What their laws keep of their own at the points, and results have.
-        unknowns: Scalars that are found together with the displacements, those of preloads last.
-        preloads: In scene order.
+        unknowns: Scalars that are found together with the displacements, those of the body last.
+        body_scalars: Those of the body.
         inertia: Masses, and what a step of motion begins from, where bodies move.
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
@@ -69,7 +64,8 @@ class Problem:
         load: What acts at the nodes in the balance to solve: the same, but in a step of motion.
         pressure_load: The part of it that is prescribed contact pressures.
         disturbance: Forces besides the scene's that grow with time, to see what they do, or None.
-        tightening: Forces of preloads over pseudo-time besides the scene's, likewise, (preloads,).
+        scalar_disturbance: Right-hand sides of the equations of the body's scalars over pseudo-time
+            besides the scene's, likewise, (body_scalars,) (force).
         drive: Forces besides the scene's while all that this says rests, or None.
     """
 
@@ -92,7 +88,6 @@ class Problem:
         self.inertia: Inertia | None = None
         self.drive: Drive | None = None
         self._shares: list[float] | None = None  # of the loads, at the present time
-        self.tightening = np.zeros(len(scene.preload))
         self.stabilisation: list[AppliedSupport] = []
         with timings.phase("compile"):
             self.supports = self._supports()
@@ -107,19 +102,10 @@ class Problem:
                 contact.go_by_points()
             own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
             self.own_arrays = of_several_contacts(own_arrays)
-            self.unknowns: list[ScalarUnknown] = [
-                Indentation(contact, contact.kinematics.direction)
-                for contact in self.contacts
-                if contact.floats
-            ]
             self.far_field = self._place_far_field()
-            self.preloads = [
-                Shortening(preload, f"preload[{number}]", bulk)
-                for number, (preload, bulk) in enumerate(
-                    zip(scene.preload, self.elastic.preloaded, strict=True)
-                )
-            ]
-            self.unknowns += self.preloads
+            self.unknowns = scalars_of(self)
+            self.body_scalars = [one for one in self.unknowns if isinstance(one, BodyScalar)]
+            self.scalar_disturbance = np.zeros(len(self.body_scalars))
             self._refuse_held_contacts()
             self.points = discrete.once(
                 f"points {scene.point}", partial(DisplacementPoints, scene.point, self.spaces)
@@ -238,11 +224,6 @@ class Problem:
                 "bodies touch each other (contact.against), and let the mesh reach farther"
             )
         far_field = FarField(self.scene, self.discrete, self.contacts)
-        for number, contact in enumerate(self.contacts):
-            resultants = list(far_field.sideways[number])
-            if contact.force is None:
-                resultants.insert(0, (contact.kinematics.direction, far_field.columns[number]))
-            self.unknowns += [Resultant(contact, *found) for found in resultants]
         nothing = np.zeros(len(far_field.dofs))
         self.applied_supports.append(AppliedSupport(far_field.on, far_field.dofs, nothing))
         return far_field
@@ -259,18 +240,18 @@ class Problem:
 
     def reach(self, scalars: Array) -> None:
         """Take the values of the scalar unknowns that a load step ended with."""
-        for preload, value in zip(self.preloads, self.of_preloads(scalars), strict=True):
-            preload.reach(float(value))
+        for unknown, value in zip(self.unknowns, scalars, strict=True):
+            unknown.reach(float(value))
 
-    def of_preloads(self, scalars: Array) -> Array:
-        """The part of values of the scalar unknowns that are shortenings, (preloads,)."""
-        return scalars[len(scalars) - len(self.preloads) :]
+    def of_body_scalars(self, scalars: Array) -> Array:
+        """The part of values of all scalar unknowns that is the body's, (body_scalars,)."""
+        return scalars[len(scalars) - len(self.body_scalars) :]
 
-    def preload_states(self, displacement: Array) -> tuple[PreloadState, ...]:
-        """Of an answer, in whose state all is, with its displacement; collective."""
+    def scalar_states(self, displacement: Array) -> tuple[ScalarState, ...]:
+        """States of the body's scalars in an answer, with its displacement; collective."""
         mixed = self.elastic.mixed
         mean_stress = np.zeros(0) if mixed is None else mixed.mean_stress.x.array
-        return tuple(preload.state(displacement, mean_stress) for preload in self.preloads)
+        return tuple(one.state(displacement, mean_stress) for one in self.body_scalars)
 
     @property
     def applied(self) -> Array:
@@ -299,8 +280,8 @@ class Problem:
         else:
             self.load = self.inertia.effective_load(self.given_load)
             self.inertia.follow_velocities()
-        for preload, pull in zip(self.preloads, self.tightening, strict=True):
-            preload.set_time(time, float(pull))
+        for scalar, besides in zip(self.body_scalars, self.scalar_disturbance, strict=True):
+            scalar.set_time(time, float(besides))
         self.prescribed = self.supports.at(time)
         if self.far_field is not None:
             values = self.far_field.beyond.copy()
@@ -340,7 +321,7 @@ class Problem:
     @property
     def terms(self) -> list[Term]:
         """The energy terms modelled."""
-        return terms_of(self.elastic, self.loads, self.preloads, self.contacts)
+        return terms_of(self.elastic, self.loads, self.unknowns, self.contacts)
 
     def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""

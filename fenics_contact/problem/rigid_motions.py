@@ -38,7 +38,7 @@ class RigidMotions:
         self._problem = problem
         self._jumps: dict[ContactSurface, Array] = {}
         spaces = problem.spaces
-        self.floating = [contact for contact in problem.contacts if contact.floats]
+        self.floating = [contact for contact in problem.contacts if contact.has_unknown_position]
         self._names, self._fields = problem.discrete.once(
             "rigid motions", partial(_of_parts, spaces)
         )
@@ -97,7 +97,7 @@ class RigidMotions:
         held_otherwise = problem.constrained is not problem.discrete.constrained
         if held_otherwise or any(contact.normal.sticks for contact in problem.contacts):
             return reduced(self._free_combinations())
-        floats = [contact.floats for contact in problem.contacts]
+        floats = [contact.has_unknown_position for contact in problem.contacts]
         return problem.discrete.once(
             f"free motions, obstacles {floats}", lambda: reduced(self._free_combinations())
         )

@@ -13,7 +13,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.problem.loads.given_load import GivenLoad
-from fenics_contact.problem.scalar_unknowns import Shortening
+from fenics_contact.problem.scalars.scalar import ScalarUnknown
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Term:
 def terms_of(
     elastic: ElasticBody,
     loads: Sequence[GivenLoad],
-    preloads: Sequence[Shortening],
+    unknowns: Sequence[ScalarUnknown],
     contacts: Sequence[ContactSurface],
 ) -> list[Term]:
     """One term for each thing the scene names, and no more.
@@ -45,21 +45,25 @@ def terms_of(
     Args:
         elastic: The bulk.
         loads: Those that are not zero.
-        preloads: Of bolts.
+        unknowns: The scalar unknowns.
         contacts: In scene order.
     """
     terms = [Term(elastic.name, lambda: elastic.forms)]
     terms += [Term(load.name, partial(_form_of, load)) for load in loads]
-    terms += [Term(f"preload of {preload.scene.label}") for preload in preloads]
+    terms += _of_scalars(unknowns, None)
     for contact in contacts:
         law = contact.normal
         if law.loads_at_points:
             terms.append(Term(law.name, partial(_forms_of_loads, law)))
     for contact in contacts:
         terms += [Term(term.name, partial(getattr, term, "forms")) for term in contact.terms]
-        if contact.floats:
-            terms.append(Term(f"force on the obstacle at {contact.label}"))
+        terms += _of_scalars(unknowns, contact)
     return terms
+
+
+def _of_scalars(unknowns: Sequence[ScalarUnknown], contact: ContactSurface | None) -> list[Term]:
+    """The terms of forces on scalar unknowns of a contact, or of none."""
+    return [Term(one.term) for one in unknowns if one.term and one.contact is contact]
 
 
 def _form_of(load: GivenLoad) -> tuple[fem.Form, ...]:

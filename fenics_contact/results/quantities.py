@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
 
 from fenics_contact.quantities import table
 from fenics_contact.results.records.contacts import ContactRecord, SupportRecord
@@ -10,6 +11,7 @@ from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.keys.reference import measured_by as measured_by_key
 from fenics_contact.scene.laws.normal_laws import NormalLawTable
 from fenics_contact.scene.obstacle import Obstacle
+from fenics_contact.scene.quantity_names import OF_PRELOADS, OfScalar
 
 
 def measured_by_parameter(name: str) -> str:
@@ -47,6 +49,20 @@ def without_value(name: str) -> str:
     """
     row = table.find(name)
     return "none" if row is None else row.no_value
+
+
+def scalars_of_step(step: Mapping[str, Any]) -> Mapping[str, Mapping[str, Any]]:
+    """Records of the scalar unknowns that a load step's results name, by these names."""
+    return dict(step.get("preloads", {}))
+
+
+def quantities_of_scalars(records: Mapping[str, Mapping[str, Any]]) -> dict[Hashable, float]:
+    """The quantities of records of scalar unknowns that have error bars, by ``OfScalar`` keys."""
+    return {
+        OfScalar(name, quantity): record[quantity]
+        for name, record in records.items()
+        for quantity in OF_PRELOADS
+    }
 
 
 def reactions_by_name(supports: Sequence[SupportRecord]) -> dict[str, list[float]]:

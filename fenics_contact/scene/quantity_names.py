@@ -46,8 +46,8 @@ class Reaction:
 
 
 @dataclass(frozen=True)
-class OfPreload:
-    """Key of a preload's quantity, by the preload's name."""
+class OfScalar:
+    """Key of a quantity of a scalar unknown that results name, such as a preload, by that name."""
 
     name: str
     quantity: str
@@ -124,7 +124,7 @@ class QuantityNames:
         if name.quantity in _OF_SUPPORTS:
             return Reaction(name.owner)
         if name.quantity in OF_PRELOADS:
-            return OfPreload(name.owner, name.quantity)
+            return OfScalar(name.owner, name.quantity)
         return (self.contacts.index(name.owner), name.quantity)
 
     def _readings(self, owner: str) -> dict[str, list[QuantityName]]:

@@ -7,6 +7,7 @@ scene file (``fenics_contact.scene.reading``). Units are the user's, consistent.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any
 
@@ -234,6 +235,16 @@ class Scene(HasUnits):
             time: Pseudo-time of the load steps.
         """
         return time if self.cycles is None else self.cycles.repetition.first_time(time)
+
+    @property
+    def at_rest(self) -> Scene:
+        """The scene without motion in one load step: friction as at rest, and no bolt locked."""
+        contacts = tuple(
+            replace(one, friction_law=one.friction_law and one.friction_law.at_rest)
+            for one in self.contact
+        )
+        preloads = tuple(replace(one, locked_from=None) for one in self.preload)
+        return replace(self, contact=contacts, preload=preloads, motion=None, steps=Steps())
 
     @property
     def dimension(self) -> int:

@@ -381,7 +381,7 @@ class Run:
             contacts=contacts,
             supports=self.end.budget.of_supports(history.supports),
             reactions=self.end.budget.of_reactions(history.supports),
-            preloads=self.end.budget.of_preloads(history.preloads),
+            preloads=self.end.budget.of_scalars(history.scalars),
             quantities=quantities,
             steps=history.steps,
             cycles=cycles,

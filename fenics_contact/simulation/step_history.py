@@ -16,7 +16,7 @@ from fenics_contact.evaluate.load_drives import load_records
 from fenics_contact.evaluate.momentum_book import MomentumBook
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.needed_forces import NeededForces
-from fenics_contact.evaluate.quantities import global_quantities, preload_records, support_records
+from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import SLIP_SHARE
@@ -154,7 +154,7 @@ class StepHistory(Generic[_Forces]):
                     for contact, found in zip(self._problem.contacts, self.by_contact, strict=True)
                 ],
                 supports=self.supports,
-                preloads=self.preloads,
+                preloads=self.scalars,
                 loads=self._loads(),
                 linear_range={what: Largest(**row) for what, row in sizes.items()},
                 cycle=solution.cycle,
@@ -268,7 +268,7 @@ class StepHistory(Generic[_Forces]):
         with self._timings.phase("output"):
             self.forces = self._forces_of(solution)
             self.supports = support_records(self.forces)
-            self.preloads = preload_records(self._problem, solution)
+            self.scalars = scalar_records(self._problem, solution)
             self.by_contact = [
                 self._of_contact(solution, number) | self._slip_share(solution, number)
                 for number in range(len(self._problem.contacts))

@@ -7,8 +7,6 @@ is the force along the axis, N = (1/l) ∫ a · σ a.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -17,11 +15,9 @@ from fenics_contact.body.description import PreloadedGroup
 from fenics_contact.body.elasticity import Law
 from fenics_contact.body.forms import Expr
 from fenics_contact.body.parts.part_ends import PartEnds
-from fenics_contact.body.spaces import Spaces, summed_over_ranks
-from fenics_contact.common import form_cache
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import total
 
 
 class PreloadedPart:
@@ -88,67 +84,3 @@ def _unit_strain(axis: Array, spaces: Spaces, law: Law) -> Expr:
         xx, yy, xy = along[0, 0], along[1, 1], along[0, 1]
         rows[2][2] = law.thickness_strain(*(ufl.as_ufl(float(part)) for part in (xx, yy, xy)))
     return ufl.as_tensor(rows)
-
-
-@dataclass(frozen=True, eq=False)
-class PreloadForces:
-    """What a unit of shortening does to the body, and back: derivatives of the energy.
-
-    Attributes:
-        part: Of the body.
-        nodal: Forces on the displacements over q, ∂²W/∂u∂q, (nodes, components) (force/length).
-        on_mean_stress: The same of the mean stress, at its dofs of this rank (area); empty
-            without one.
-        owned_stresses: How many of these dofs this rank owns.
-        stiffness: ∂²W/∂q² (force/length).
-    """
-
-    part: PreloadedPart
-    nodal: Array
-    on_mean_stress: Array
-    owned_stresses: int
-    stiffness: float
-
-    @classmethod
-    def of(
-        cls,
-        part: PreloadedPart,
-        density: Expr,
-        shortening: Expr,
-        displacement: fem.Function,
-        mean_stress: fem.Function | None,
-    ) -> PreloadForces:
-        """From the energy's density in the part, weighted; collective.
-
-        Args:
-            part: The part.
-            density: Of the energy.
-            shortening: q in it, a UFL variable.
-            displacement: u in it.
-            mean_stress: s in it, or None.
-        """
-        spaces = part.spaces
-        force = ufl.diff(density, shortening) * part.measure
-        stiffness = ufl.diff(ufl.diff(density, shortening), shortening) * part.measure
-        nodal = spaces.assemble(form_cache.form(ufl.derivative(force, displacement)))
-        on_mean_stress, owned = np.zeros(0), 0
-        if mean_stress is not None:
-            found = fem.assemble_vector(form_cache.form(ufl.derivative(force, mean_stress)))
-            index_map = mean_stress.function_space.dofmap.index_map
-            on_mean_stress = summed_over_ranks(index_map, np.array(found.array))
-            owned = index_map.size_local
-        own = fem.assemble_scalar(form_cache.form(stiffness))
-        return cls(part, nodal, on_mean_stress, owned, float(total(spaces.comm, own)))
-
-    def force(self, displacement: Array, mean_stress: Array) -> float:
-        """N at the part's present shortening: the mean of its axial force (force); collective.
-
-        Args:
-            displacement: Of this rank's nodes, (nodes, components) (length).
-            mean_stress: At the dofs of this rank; empty without one (stress).
-        """
-        spaces, owned = self.part.spaces, self.owned_stresses
-        nodes = slice(0, spaces.owned_nodes)
-        own = float(np.sum(self.nodal[nodes] * displacement[nodes]))
-        own += float(self.on_mean_stress[:owned] @ mean_stress[:owned])
-        return float(total(spaces.comm, own)) + self.stiffness * float(self.part.shortening.value)

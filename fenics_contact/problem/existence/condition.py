@@ -96,7 +96,9 @@ def _require_something(problem: Problem, rigid: RigidMotions) -> None:
         NoEquilibriumError: Nothing does, so that there is nothing to be found.
     """
     scene = problem.scene
-    if not (scene.support or scene.symmetry or scene.contact or scene.preload or rigid.force_size):
+    if not (
+        scene.support or scene.symmetry or scene.contact or problem.unknowns or rigid.force_size
+    ):
         notes = "".join(f"; {note}" for note in problem.body.notes)
         raise NoEquilibriumError(
             "no equilibrium: the scene has neither a support nor a contact nor a load, and leaves "

@@ -125,13 +125,13 @@ class FirstState:
         pressures: Resultant of the pressures of each contact on the body of ``on``, (contacts,
             components) (force).
         overlaps: Of each contact, how deep its surfaces overlap as meshed, at its points (length).
-        preloads: Force along each preloaded part, and its shortening (force; length).
+        scalars: Force on each of the body's scalars, and its value (force; length).
     """
 
     energy: float
     pressures: Array
     overlaps: tuple[Array | float, ...]
-    preloads: tuple[tuple[float, float], ...] = ()
+    scalars: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

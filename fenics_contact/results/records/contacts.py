@@ -204,3 +204,7 @@ class PreloadRecord(Record):
     initial_strain: float
     locked: bool
     errors: Errors = field(default_factory=dict)
+
+
+#: The records of scalar unknowns that results name: one class for each kind.
+ScalarRecord = PreloadRecord

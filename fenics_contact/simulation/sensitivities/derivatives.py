@@ -110,7 +110,7 @@ def that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[Accepted
     """
     last = steps[-1]
     follows = any(contact.friction.follows_path for contact in problem.contacts)
-    follows |= any(preload.is_locked for preload in problem.preloads)
+    follows |= any(unknown.is_locked for unknown in problem.unknowns)
     if not follows or len(steps) == 1:
         return [last]
     if any(one.paired_at is not None for step in steps for one in step.contacts):
@@ -134,8 +134,8 @@ def _go_back_to(load_steps: LoadSteps, step: AcceptedStep) -> None:
 
 def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
     """What is a quantity of the step before: slips that steps count from, laws' arrays, lengths."""
-    lengths = zip(problem.preloads, gradient.multipliers.kept_lengths, strict=True)
-    found = StateGradient.of_scalars(problem, lengths)
+    kept = zip(problem.body_scalars, gradient.multipliers.kept_scalars, strict=True)
+    found = StateGradient.of_scalars(problem, kept)
     for number, (contact, after) in enumerate(
         zip(problem.contacts, gradient.contacts, strict=True)
     ):

@@ -34,9 +34,9 @@ def _energies(problem: Problem, solution: Solution, factor: float) -> StateGradi
     """The gradient of a multiple of the strain energy."""
     nodal = factor * solution.internal_force
     body = BodyGradient(nodal, np.zeros_like(nodal))
-    forces = [factor * state.force for state in solution.preloads]
-    preloads = StateGradient.of_scalars(problem, zip(problem.preloads, forces, strict=True))
-    return StateGradient.of_body(problem, body, factor).plus(preloads)
+    forces = [factor * state.force for state in solution.scalars]
+    scalars = StateGradient.of_scalars(problem, zip(problem.body_scalars, forces, strict=True))
+    return StateGradient.of_body(problem, body, factor).plus(scalars)
 
 
 def _external_work(problem: Problem, solution: Solution, _name: QuantityName) -> StateGradient:
@@ -101,8 +101,8 @@ def _dofs_of(problem: Problem, owner: str, axis: int) -> Array:
 
 
 def _elongation(problem: Problem, _solution: Solution, name: QuantityName) -> StateGradient:
-    number = [preload.scene.label for preload in problem.preloads].index(name.owner)
-    return StateGradient.of_scalars(problem, [(problem.preloads[number], 1.0)])
+    own = [(scalar, 1.0) for scalar in problem.body_scalars if scalar.label == name.owner]
+    return StateGradient.of_scalars(problem, own)
 
 
 def of_point(problem: Problem, _solution: Solution, name: QuantityName) -> StateGradient:

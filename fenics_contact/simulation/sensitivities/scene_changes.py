@@ -21,7 +21,8 @@ from fenics_contact.contact.kinematics.rigid_obstacle import DIRECTIONS
 from fenics_contact.contact.point_gradients import GivenChange
 from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import Indentation, Resultant
+from fenics_contact.problem.scalars.resultant import Resultant
+from fenics_contact.problem.scalars.shortening import Shortening
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.value_arithmetic import slope_of
 from fenics_contact.scene.values import Value
@@ -118,11 +119,11 @@ class SceneChanges:
     def _of_thickness(self, thickness: float) -> Change:
         """Stresses are those of forces that are so many times smaller, where forces are given."""
         found = Change(of_resultants=1 / thickness)
-        for number, preload in enumerate(self.problem.preloads):
+        for number, preload in enumerate(self._shortenings):
             own = self._of_preload(f"preload.{number}.force", number, ["force"])
             found = found.added(own.times(-preload.scene.force / thickness))
         for number, contact in enumerate(self.problem.contacts):
-            if contact.floats:
+            if contact.has_unknown_position:
                 obstacle = contact.contact.obstacle
                 assert obstacle is not None and obstacle.force is not None
                 own = self._of_force(number, contact)
@@ -161,14 +162,19 @@ class SceneChanges:
         problem = self.problem
         if rest != ["force"]:
             raise _refused(key, "the body depends on it")
-        preload = problem.preloads[number]
+        preload = self._shortenings[number]
         return Change(scalars={problem.unknowns.index(preload): preload.force_factor(self.time)})
+
+    @property
+    def _shortenings(self) -> list[Shortening]:
+        """One for each preload of the scene, in its order."""
+        return [one for one in self.problem.body_scalars if isinstance(one, Shortening)]
 
     def _of_material(self, key: str, number: int, rest: list[str]) -> Change:
         if len(rest) != 1 or rest[0] not in _MODULI:
             raise _refused(key, "of materials, Young's modulus and Poisson's ratio as numbers have")
         problem = self.problem
-        if not isinstance(problem.elastic.law, Isotropic) or problem.preloads:
+        if not isinstance(problem.elastic.law, Isotropic) or problem.body_scalars:
             raise _refused(key, "moduli have where all materials are isotropic, without preloads")
         if problem.far_field is None:
             return Change(modulus=(number, rest[0]))
@@ -253,7 +259,7 @@ class SceneChanges:
         else:
             raise _refused(key, "contact jumps where an edge of the obstacle moves")
         gap = np.where(kinematics.reached, gap, 0.0)
-        if not contact.floats:
+        if not contact.has_unknown_position:
             return Change(contacts={number: GivenChange(gap=gap)})
         if name == "gap" and obstacle.gap is not None:  # a function of the place does not move
             first = kinematics.first_place.T
@@ -281,7 +287,7 @@ class SceneChanges:
         turned = kinematics.direction_slopes(name, axis)
         gap = np.where(kinematics.reached, kinematics.gap_slopes(name, axis), 0.0)
         motion = kinematics.indentation * turned
-        if not contact.floats:
+        if not contact.has_unknown_position:
             return Change(contacts={number: GivenChange(gap=gap, motion=motion, direction=turned)})
         faced = -contact.trace.normals @ turned
         at_first = kinematics.first_gap_slope(name, axis)
@@ -304,7 +310,7 @@ class SceneChanges:
         return {
             index: force
             for index, unknown in enumerate(self.problem.unknowns)
-            if isinstance(unknown, Indentation) and unknown.contact is contact
+            if unknown.drives and unknown.contact is contact
         }
 
     def _of_force(self, number: int, contact: ContactSurface) -> Change:

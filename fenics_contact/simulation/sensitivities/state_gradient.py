@@ -11,7 +11,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.point_gradients import AnswerGradient
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import Indentation, ScalarUnknown
+from fenics_contact.problem.scalars.scalar import ScalarUnknown
 from fenics_contact.solve.condensed.adjoint import BodyGradient
 
 
@@ -50,11 +50,11 @@ class StateGradient:
             answers: Derivatives in what happens at the contact.
         """
         contact, found = problem.contacts[number], cls.none(problem)
-        if contact.floats:  # its indentation is an unknown
+        if contact.has_unknown_position:  # its indentation is an unknown
             own = [
                 (unknown, answers.indentation)
                 for unknown in problem.unknowns
-                if isinstance(unknown, Indentation) and unknown.contact is contact
+                if unknown.drives and unknown.contact is contact
             ]
             found = found.plus(cls.of_scalars(problem, own))
             answers = replace(answers, indentation=0.0)

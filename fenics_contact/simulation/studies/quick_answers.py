@@ -202,7 +202,7 @@ def _measured(
         quantities=dict(steps[-1].quantities),
         contacts=history.by_contact,
         supports=history.supports,
-        preloads=history.preloads,
+        preloads=history.scalars,
         points=contact_points(problem, solution),
         checks=found,
         verdict=verdict.of_quick_answer(problem, solution, steps, found, history.book.open_share),

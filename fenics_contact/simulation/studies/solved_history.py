@@ -161,10 +161,10 @@ class _Errors:
         problem = self._problem
         local.solve(BulkForces(problem, step.solution), step.unknowns.time)
         for draw in _DRAWS:
-            forces, along = local.forces(draw)
+            forces, on_scalars = local.forces(draw)
             scalars = {
-                problem.unknowns.index(preload): -float(more)
-                for preload, more in zip(problem.preloads, along, strict=True)
+                problem.unknowns.index(scalar): -float(more)
+                for scalar, more in zip(problem.body_scalars, on_scalars, strict=True)
             }
             yield f"errors mesh {draw}", Change(load=forces, scalars=scalars)
 

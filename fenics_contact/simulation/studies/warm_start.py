@@ -102,7 +102,8 @@ class SolvedState:
 def _opposite(contact: ContactSurface) -> tuple[Array, Array]:
     """Gap at the points, and motion besides that of an unknown indentation (length)."""
     kinematics = contact.kinematics
-    return kinematics.gap, kinematics.displacement if contact.floats else kinematics.motion
+    is_known = not contact.has_unknown_position
+    return kinematics.gap, kinematics.motion if is_known else kinematics.displacement
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +198,7 @@ class WarmStart:
 
     def suits(self, problem: Problem) -> bool:
         """Whether the unknowns are the same, and no bolt is to be tightened from nothing."""
-        is_tight = all(preload.scene.force for preload in problem.preloads)
+        is_tight = all(scalar.has_force for scalar in problem.body_scalars)
         points = [len(contact.trace.weights) for contact in problem.contacts]
         first = self.steps[0]
         same_points = points == [len(slip) for slip, _ in first.tangents]
@@ -252,8 +253,8 @@ class WarmStart:
         self.without_friction = WithoutFriction.solved(newton)
 
     def _place(self, newton: Newton, state: SolvedState) -> None:
-        for preload in newton.problem.preloads:
-            preload.keep(None)
+        for scalar in newton.problem.body_scalars:
+            scalar.keep(None)
         newton.begin.at(state.position_in(newton), state.scalars)
 
     def _take_tangents(self, problem: Problem, step: SolvedStep) -> None:

@@ -57,11 +57,9 @@ class DrivenMode(StepListener):
         share = body.stiffness.share
         (self._row,) = body.rows.maker.make([Functional(forces=share(mode.forces))])
         self._of_drive = self._work_of(share(mode.forces))
-        self._of_shortenings = np.array(
-            [
-                self._work_of(share(p.bulk.nodal, p.bulk.on_mean_stress))
-                for p in system.problem.preloads
-            ]
+        forces = system.problem.elastic.scalar_forces
+        self._of_scalars = np.array(
+            [self._work_of(share(one.nodal, one.on_mean_stress)) for one in forces]
         )
         self._at_rest: tuple[Array, Array] = np.zeros(0), np.zeros(0)
 
@@ -87,7 +85,7 @@ class DrivenMode(StepListener):
         problem.drive = Drive(self._force * self._mode.forces, rest, _to_and_fro)
         try:
             self._load_steps.go_to_and_fro(begin, cycles, asked.increments)
-            self._at_rest = self._system.position(), self._shortenings()
+            self._at_rest = self._system.position(), self._scalars()
             self._loop: list[tuple[float, float]] = []
             self._lost: list[Array] = []
             self._load_steps.solve(self)
@@ -97,16 +95,16 @@ class DrivenMode(StepListener):
             problem.drive = None
             self._load_steps.go_on_from(begin, rest)
 
-    def _shortenings(self) -> Array:
-        return self._problem.of_preloads(self._system.scalar_values(self._system.state))
+    def _scalars(self) -> Array:
+        return self._problem.of_body_scalars(self._system.scalar_values(self._system.state))
 
     def accepted(self, step: AcceptedStep) -> None:
         """Follow the loop of the driven mode by a load step; collective."""
         share = _to_and_fro(step.time - self._begin.unknowns.time)
-        position, shortenings = self._at_rest
+        position, scalars = self._at_rest
         moved = float(self._row.of_contacts @ (self._system.position() - position))
         moved -= share * self._force * self._of_drive
-        moved += float(self._of_shortenings @ (self._shortenings() - shortenings))
+        moved += float(self._of_scalars @ (self._scalars() - scalars))
         self._loop.append((share, moved / self._mode.mass))
         pairs = zip(self._problem.contacts, step.solution.states, strict=True)
         self._lost.append(np.array([contact.work.of_friction(state) for contact, state in pairs]))

@@ -18,7 +18,6 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import from_root, gathered_on_root, total
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import ContactScalar
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.contact_jump import ContactJump
 from fenics_contact.solve.condensed.tangent import ContactTangent
@@ -60,7 +59,6 @@ class CondensedAdjoint:
     ) -> None:
         self.problem, self.body, self.variables = problem, body, variables
         self.jumps, self._dense = jumps, dense
-        self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
 
     def opposing(self, tractions: Sequence[Array | None]) -> Array:
         """Λ whose virtual jumps are minus given ones, wherever these are unknowns; collective.
@@ -130,7 +128,7 @@ class CondensedAdjoint:
         jump, surface = self.jumps[number], self.problem.contacts[number].trace.surface
         if jump is None:
             return np.zeros((len(surface.coordinates), surface.components))
-        inner = len(values) - len(self.problem.preloads)
+        inner = len(values) - len(self.problem.body_scalars)
         derived = self.variables.derived_jumps(values[: self.variables.count])
         found = jump.virtual(np.concatenate([values[:inner], derived]))
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
@@ -153,8 +151,8 @@ class CondensedAdjoint:
         nothing = np.zeros(len(self.body.dofs.free))
         found = self.body.bulk.expand(load, nothing)
         left = stiffness.share(body.displacement) - stiffness.matrix @ found
-        along = self.body.preloads.from_loads(load, stiffness.at_unknowns(supported))
-        return _FreeBody(load, stiffness.whole(left), along)
+        on_scalars = self.body.scalars.from_loads(load, stiffness.at_unknowns(supported))
+        return _FreeBody(load, stiffness.whole(left), on_scalars)
 
     def _of_unknowns(self, free: _FreeBody | None) -> Array:
         """What a quantity of the body is in the unknowns, on every rank."""
@@ -164,13 +162,12 @@ class CondensedAdjoint:
             return found
         left, dofs = free.left.reshape(-1), self.body.dofs
         found[:count] = self.variables.forces(dofs.gathered(left)[dofs.is_free])
-        if problem.far_field is not None:
-            outer = problem.far_field.dofs
-            mine = outer < problem.spaces.owned_nodes * problem.spaces.components
-            columns = [u.column if u.column is not None else 0 * outer for u in self._driving]
-            moved = [float(column[mine] @ left[outer[mine]]) for column in columns]
-            found[count : count + len(moved)] = total(problem.comm, np.array(moved))
-        found[len(found) - len(free.along_parts) :] -= free.along_parts
+        owned = problem.spaces.owned_nodes * problem.spaces.components
+        motions = [None if u.motion is None else u.motion.owned(owned) for u in problem.unknowns]
+        if any(motion is not None for motion in motions):
+            moved = [0.0 if one is None else float(one[1] @ left[one[0]]) for one in motions]
+            found[count:] = total(problem.comm, np.array(moved))
+        found[len(found) - len(free.on_scalars) :] -= free.on_scalars
         return found
 
     def _gathered(self, jump: ContactJump, nodal: Array) -> Array:
@@ -187,12 +184,12 @@ class _FreeBody:
     Attributes:
         load: As the bulk takes it, this rank's share.
         left: What ψ leaves at the nodes, of all ranks, (nodes, components).
-        along_parts: What it does along each preloaded part.
+        on_scalars: What it does to the equation of each of the body's scalars.
     """
 
     load: Array
     left: Array
-    along_parts: Array
+    on_scalars: Array
 
 
 class Multipliers:
@@ -235,7 +232,7 @@ class Multipliers:
         """ψ at this rank's unknowns of the stiffness; collective, one back-substitution."""
         adjoint, body = self._adjoint, self._adjoint.body
         load = np.zeros(len(body.stiffness.numbers)) if self._free is None else self._free.load
-        for value, one in zip(self._of_preloads, body.preloads.loads, strict=True):
+        for value, one in zip(self._of_body_scalars, body.scalars.loads, strict=True):
             load = load + value * one
         at_contacts = adjoint.variables.displacements(self._values[: adjoint.variables.count])
         return body.bulk.expand(load, at_contacts)
@@ -260,21 +257,23 @@ class Multipliers:
         found = -stiffness.forces(self.unknowns)
         if self._body is not None:
             found += self._body.displacement
-        for value, preload in zip(self._of_preloads, self._problem.preloads, strict=True):
-            found -= value * preload.bulk.nodal
+        scalars = self._problem.body_scalars
+        for value, scalar in zip(self._of_body_scalars, scalars, strict=True):
+            found -= value * scalar.forces_on_body.nodal
         return found
 
     @property
-    def kept_lengths(self) -> Array:
-        """Derivatives in the shortenings that locked parts are held at, 0 of others."""
-        return self._adjoint.body.preloads.corner.diagonal() * (self._last - self._of_preloads)
+    def kept_scalars(self) -> Array:
+        """Derivatives in the values that the body's scalars are held at, 0 of others."""
+        corner = self._adjoint.body.scalars.corner
+        return corner.diagonal() * (self._last - self._of_body_scalars)
 
     @property
-    def _of_preloads(self) -> Array:
-        """Those of forces along preloaded parts: where these are held, none is in an equation."""
-        held = [preload.held is not None for preload in self._problem.preloads]
+    def _of_body_scalars(self) -> Array:
+        """Those of forces on the body's scalars: where these are held, none is in an equation."""
+        held = [scalar.held is not None for scalar in self._problem.body_scalars]
         return np.where(np.array(held, dtype=bool), 0.0, self._last)
 
     @property
     def _last(self) -> Array:
-        return self.scalars[len(self.scalars) - len(self._problem.preloads) :]
+        return self._problem.of_body_scalars(self.scalars)

@@ -19,24 +19,26 @@ from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.inertia.states import StepStiffness
+from fenics_contact.problem.scalars.scalar import PrescribedMotion, ScalarUnknown
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
-from fenics_contact.solve.condensed.preload_border import CondensedPreloads
 from fenics_contact.solve.condensed.present_loads import LoadsOfBody
 from fenics_contact.solve.condensed.rows.body_rows import BodyRows
 from fenics_contact.solve.condensed.rows.row import Functional, RowMaker
+from fenics_contact.solve.condensed.scalar_border import CondensedScalars
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
 
-# Columns of half-spaces that are kept: an obstacle that moves along the surface makes others.
-_MOST_FAR = 8
+# Motions that scalars prescribe and that are kept: an obstacle that moves along the surface of a
+# half-space makes others.
+_MOST_MOTIONS = 8
 
 
 @dataclass(frozen=True, eq=False)
-class FarLoad:
+class ScalarLoad:
     """What a unit of a scalar unknown does to the bulk.
 
     Attributes:
@@ -62,7 +64,7 @@ class CondensedBody:
         bulk: The factorisation, and S on rank 0.
         loads: Those condensed so far.
         loads_at: What loads and supports of a moment do.
-        preloads: What shortenings of preloaded parts do.
+        scalars: What the scalars of the body's energy do.
         rows: Those of numbers that are linear in the displacement.
 
     Args:
@@ -110,22 +112,22 @@ class CondensedBody:
     def _take(self, bulk: CondensedBulk) -> None:
         """What is worked out of a factorisation, and remembered; collective."""
         self.bulk, discrete, moves = bulk, self.discrete, self._moves
-        parts = discrete.elastic.preloaded
-        self.preloads = CondensedPreloads(parts, self.stiffness, bulk, self.held)
+        forces = discrete.elastic.scalar_forces
+        self.scalars = CondensedScalars(forces, self.stiffness, bulk, self.held)
         self.loads = CondensedLoads(bulk)
         self.loads_at = LoadsOfBody(
             self.stiffness,
             self.held,
             self.dofs,
             bulk.condense if self._moves else self.loads.condense,
-            self.preloads,
+            self.scalars,
             self._constrained,
             lambda: discrete.is_kept and not moves,
         )
         self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, bulk))
         self._of_schur: OfSchur | None = None
         self._of_jumps: tuple[list[Projection], OfSchur] | None = None
-        self._far: list[tuple[Array, FarLoad]] = []
+        self._of_motions: list[tuple[Array, ScalarLoad]] = []
         self._given_up: tuple[OfSchur, ContactVariables] | None = None
 
     def with_bulk(self, bulk: CondensedBulk) -> CondensedBody:
@@ -139,25 +141,31 @@ class CondensedBody:
         found._take(bulk)
         return found
 
-    def far_load(self, column: Array | None, places: Integers) -> FarLoad:
-        """What a unit of a scalar does to the bulk through displacements that it prescribes.
-
-        Worked out once for each column of a half-space; collective.
+    def scalar_load(self, unknown: ScalarUnknown) -> ScalarLoad:
+        """What a unit of a scalar unknown does to the bulk, worked out once for each; collective.
 
         Args:
-            column: The displacements; None where it prescribes none.
-            places: Dofs that they are of (local indices).
+            unknown: One of a problem on this body.
         """
-        found = next((far for known, far in self._far if known is column), None)
+        forces = unknown.forces_on_body
+        if forces is None:
+            return self._load_of_motion(unknown.motion)
+        number = self.discrete.elastic.scalar_forces.index(forces)
+        loads, condensed = self.scalars.loads, self.scalars.condensed
+        return ScalarLoad(loads[number], np.zeros(len(self.dofs.numbers)), condensed[number])
+
+    def _load_of_motion(self, motion: PrescribedMotion | None) -> ScalarLoad:
+        """That of displacements that a scalar prescribes, or of none; collective."""
+        size = len(self.dofs.constrained)
+        column = None if motion is None else motion.displacement
+        found = next((load for known, load in self._of_motions if known is column), None)
         if found is None:
-            displacements = np.zeros(self.dofs.constrained.shape)
-            if column is not None:
-                displacements[places] = column
+            displacements = np.zeros(size) if motion is None else motion.of_all(size)
             nodal = displacements.reshape(-1, self.discrete.spaces.components)
             load = self.stiffness.load(np.zeros_like(nodal), nodal, self.held)
-            found = FarLoad(load, self.dofs.gathered(displacements), self.loads.condense(load))
+            found = ScalarLoad(load, self.dofs.gathered(displacements), self.loads.condense(load))
             if column is not None:
-                self._far = [*self._far[-_MOST_FAR + 1 :], (column, found)]
+                self._of_motions = [*self._of_motions[-_MOST_MOTIONS + 1 :], (column, found)]
         return found
 
     def foresee(self, loads: Sequence[Array]) -> None:

@@ -46,7 +46,7 @@ class CondensedLoads:
 
         Of one that is new only what the known ones leave of it is condensed, and known from then
         on: so these are orthogonal to each other, and tell a combination to round-off even where
-        loads are nearly the same, as a large preload with what vibrates about it.
+        loads are nearly the same, as a large static load with what vibrates about it.
         """
         shares = self._shares(load)
         left = load - self._combined(shares, 0)

@@ -16,12 +16,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import from_root, gathered_on_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import ContactScalar
 from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
@@ -78,13 +77,12 @@ class CondensedSystem(System):
             step=None if problem.inertia is None else problem.inertia.stiffness,
         )
         self.stiffness, self.held = self.body.stiffness, self.body.held
-        self.dofs, self._preloads = self.body.dofs, self.body.preloads
+        self.dofs = self.body.dofs
         self.factorisations = 1
-        self._driving = [u for u in problem.unknowns if isinstance(u, ContactScalar)]
-        far_field = problem.far_field
-        places = np.zeros(0, dtype=np.int64) if far_field is None else far_field.dofs
-        self._far = [self.body.far_load(unknown.column, places) for unknown in self._driving]
-        self._inner = len(self.dofs.free) + len(self._driving)  # all but the shortenings
+        self._scalar_loads = [self.body.scalar_load(unknown) for unknown in problem.unknowns]
+        #: The scalars that contacts are coupled with; those of the body come after them.
+        self._in_contacts = problem.unknowns[: self.scalars - len(problem.body_scalars)]
+        self._inner = len(self.dofs.free) + len(self._in_contacts)  # all but the body's scalars
         self._size = len(self.dofs.free) + self.scalars
         if self._size > _MANY:
             self.first_way = "monolithic"
@@ -119,23 +117,23 @@ class CondensedSystem(System):
 
     def _jump(self, surface: SurfaceMatrix) -> ContactJump:
         places, variables = self.dofs.places(surface.dofs), self.variables
-        far = [far.displacements[places] for far in self._far]
+        far = [load.displacements[places] for load in self._scalar_loads]
         sizes = variables.count, variables.derived_count
         points = variables.own_unknowns(surface)
-        return ContactJump.over(surface, points, sizes, self._driving, far)
+        return ContactJump.over(surface, points, sizes, self._in_contacts, far)
 
     def _dense_tangent(self) -> ContactTangent | None:
-        """A on rank 0, with what resultants do to the contact dofs through the bulk."""
+        """A on rank 0, with what scalars do to the contact dofs through the bulk."""
         schur = self._schur()
         if schur is None:
             return None
-        condensed = [self.variables.forces(far.condensed) for far in self._far]
-        columns = -np.array(condensed).reshape(len(self._driving), len(self.dofs.free)).T
-        own = np.array([unknown.own for unknown in self._driving])
-        variables = self.variables
+        variables, count = self.variables, len(self._in_contacts)
+        condensed = [variables.forces(load.condensed) for load in self._scalar_loads[:count]]
+        columns = -np.array(condensed).reshape(count, len(self.dofs.free)).T
+        own = np.array([unknown.own for unknown in self._in_contacts])
         constant = ConstantTangent(schur.matrix, columns, own, variables.derived, schur)
         nodes = self.dofs.free // self.problem.spaces.components
-        border = self._preloads.border(variables, self._inner)
+        border = self.body.scalars.border(variables, self._inner)
         return ContactTangent(constant, nodes, border)
 
     def _schur(self) -> OfSchur | None:
@@ -262,8 +260,8 @@ class CondensedSystem(System):
         """Of all contact dofs."""
         found = self._loads.held.copy()
         found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
-        for value, far in zip(self._scalars_of(values), self._far, strict=False):
-            found += value * far.displacements
+        for value, load in zip(self._scalars_of(values), self._scalar_loads, strict=True):
+            found += value * load.displacements
         return found
 
     def _scalars_of(self, values: Array) -> Array:
@@ -299,12 +297,12 @@ class CondensedSystem(System):
             array[:] = left
 
     def _bulk_forces(self, values: Array) -> Array:
-        """A y, and the forces along preloaded parts, on rank 0; collective."""
+        """A y, and the forces on the body's scalars, on rank 0; collective."""
         found = np.zeros(0)
         if self._dense is not None:
             found = self._dense.times(values)
-            found[self._inner :] += self._loads.along_parts
-        self._note_along_parts(found)
+            found[self._inner :] += self._loads.on_scalars
+        self._note_scalar_forces(found)
         return found
 
     def _of_all(self, jump: ContactJump | None, force: Array) -> Array:
@@ -327,29 +325,32 @@ class CondensedSystem(System):
             parts = gathered_on_root(self.comm, jump.surface.entries())
             found += [jump.tangent(part) for part in parts or ()]
         if self._dense is not None:
-            held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
-            self._dense.border.hold(held)
+            self._dense.border.hold(self._is_held)
             if springs:
                 stiffness = self._dense.constant.schur.diagonal()[self._sprung]
                 found.append((self._sprung, self._sprung, springs * stiffness))
             self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
 
-    def change(self, condensed: Array, along: Array) -> tuple[Array, Array]:
+    @property
+    def _is_held(self) -> Flags:
+        """Which of the body's scalars are held, (body_scalars,)."""
+        return np.array([one.held is not None for one in self.problem.body_scalars], dtype=bool)
+
+    def change(self, condensed: Array, on_scalars: Array) -> tuple[Array, Array]:
         """What forces change by the tangent that was set last; collective.
 
         Args:
             condensed: Forces condensed onto the free contact dofs; used on rank 0 (force).
-            along: What they do along preloaded parts (force).
+            on_scalars: Forces that they make on the body's scalars (force).
 
         Returns:
-            Displacements of the free contact dofs, and shortenings of preloaded parts (length).
+            Displacements of the free contact dofs (length), and the body's scalars.
         """
         found = None
         if self._dense is not None:
-            held = np.array([p.held is not None for p in self.problem.preloads], dtype=bool)
             right = np.zeros(self._size)
             right[: self.variables.count] = self.variables.forces(condensed)
-            right[self._inner :] = np.where(held, 0.0, -along)
+            right[self._inner :] = np.where(self._is_held, 0.0, -on_scalars)
             found = self._dense.solve(right)
         found = np.asarray(from_root(self.comm, found))
         return self.variables.displacements(found[: self.variables.count]), found[self._inner :]
@@ -375,16 +376,16 @@ class CondensedSystem(System):
     def finish(self) -> FindBody:
         """What finds the displacement inside, when it is first asked for; collective.
 
-        At once where contacts that exert no forces follow it, a mean stress or a preload.
+        At once where something follows it: contacts that exert no forces, a mean stress or
+        forces on the body's scalars.
         """
         values = self._values(self.state)
         load = self._loads.load.copy()
-        loads = [*(far.load for far in self._far), *self._preloads.loads]
-        for value, one in zip(self._scalars_of(values), loads, strict=True):
-            load += value * one
+        for value, one in zip(self._scalars_of(values), self._scalar_loads, strict=True):
+            load += value * one.load
         at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
         find = FoundWhenAsked(partial(self._expanded, load, at_contacts))
-        if self.problem.elastic.mixed is not None or self.problem.preloads:
+        if self.problem.elastic.mixed is not None or self.problem.body_scalars:
             find()
         if None in self._jumps:
             others = [
@@ -400,8 +401,8 @@ class CondensedSystem(System):
         self.stiffness.set_functions(found)
         components = self.problem.spaces.components
         internal = self.stiffness.forces(found)
-        for preload in self.problem.preloads:
-            internal += preload.value * preload.bulk.nodal
+        for scalar in self.problem.body_scalars:
+            internal += scalar.value * scalar.forces_on_body.nodal
         return BodyAnswer(
             self.problem.displacement.x.array.reshape(-1, components).copy(),
             internal,

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.problem.scalar_unknowns import ContactScalar
+from fenics_contact.problem.scalars.scalar import ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import Entries
 
@@ -49,7 +49,7 @@ class ContactJump:
         surface: SurfaceMatrix,
         points: tuple[Integers, Integers],
         sizes: tuple[int, int],
-        unknowns: Sequence[ContactScalar],
+        unknowns: Sequence[ScalarUnknown],
         far: Sequence[Array],
     ) -> ContactJump:
         """That of a contact, with what scalar unknowns move of it.
@@ -64,7 +64,7 @@ class ContactJump:
         rows, count = len(surface.dofs), sizes[0]
         relative, motion, work = np.zeros((3, rows, len(unknowns)))
         for column, unknown in enumerate(unknowns):
-            if unknown.column is not None:
+            if unknown.motion is not None:
                 motion[:, column] = relative[:, column] = far[column]
             if unknown.contact is surface.contact:
                 direction = np.resize(unknown.direction, rows)

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.preload_border import CondensedPreloads
+from fenics_contact.solve.condensed.scalar_border import CondensedScalars
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
 
 _MOST = 8
@@ -31,7 +31,7 @@ class PresentLoads:
         load: Both on this rank's unknowns (force).
         held: Prescribed displacements at all contact dofs (length).
         condensed: The load condensed onto the free ones, on rank 0 (force).
-        along_parts: What they do along preloaded parts (force).
+        on_scalars: The forces that they make on the body's scalars, (scalars,) (force).
     """
 
     nodal: Array
@@ -39,7 +39,7 @@ class PresentLoads:
     load: Array
     held: Array
     condensed: Array
-    along_parts: Array
+    on_scalars: Array
 
     def is_of(self, nodal: Array, prescribed: Array) -> bool:
         """Whether loads and displacements are the same, on this rank."""
@@ -61,7 +61,7 @@ class LoadsOfBody:
         dofs: The contact dofs.
         condense: Condenses a load; of motions, whose loads of inertia are others in each step, the
             bulk itself.
-        preloads: What shortenings of preloaded parts do.
+        scalars: What the body's scalars do.
         constrained: Dofs that supports hold (local indices, owned and ghost).
         is_kept: Whether it is, at present, for many answers.
     """
@@ -72,12 +72,12 @@ class LoadsOfBody:
         held: Flags,
         dofs: ContactDofs,
         condense: Callable[[Array], Array],
-        preloads: CondensedPreloads,
+        scalars: CondensedScalars,
         constrained: Integers,
         is_kept: Callable[[], bool],
     ) -> None:
         self._stiffness, self._held, self._dofs = stiffness, held, dofs
-        self._condense, self._preloads, self._constrained = condense, preloads, constrained
+        self._condense, self._scalars, self._constrained = condense, scalars, constrained
         self._is_kept = is_kept
         self._known: list[PresentLoads] = []
 
@@ -107,7 +107,7 @@ class LoadsOfBody:
             load=load,
             held=self._dofs.gathered(supported.reshape(-1)),
             condensed=self._condense(load),
-            along_parts=self._preloads.from_loads(load, self._stiffness.at_unknowns(supported)),
+            on_scalars=self._scalars.from_loads(load, self._stiffness.at_unknowns(supported)),
         )
         self._known = [*self._known[1 - _MOST :], found] if self._is_kept() else [found]
         return found

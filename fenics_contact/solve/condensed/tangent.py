@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.compliance_solver import ComplianceSolver
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
-from fenics_contact.solve.condensed.preload_border import PreloadBorder
+from fenics_contact.solve.condensed.scalar_border import ScalarBorder
 from fenics_contact.solve.condensed.split_solver import SplitSolver
 from fenics_contact.solve.systems.pair_stiffness import Entries
 
@@ -28,12 +28,12 @@ _IN_VAIN = 10
 
 
 class ContactTangent:
-    """M = A + Qᵀ W Q, with the preloads' rows and columns around it.
+    """M = A + Qᵀ W Q, with the rows and columns of the body's scalars around it.
 
     Args:
         constant: A and Q.
         nodes: Number of the node that each displacement belongs to.
-        border: Of the preloads, if there are any.
+        border: Rows and columns of the body's scalars, if there are any.
 
     Attributes:
         constant: See the arguments.
@@ -41,10 +41,10 @@ class ContactTangent:
     """
 
     def __init__(
-        self, constant: ConstantTangent, nodes: Integers, border: PreloadBorder | None = None
+        self, constant: ConstantTangent, nodes: Integers, border: ScalarBorder | None = None
     ) -> None:
         self.constant = constant
-        self.border = border or PreloadBorder.empty(constant.size)
+        self.border = border or ScalarBorder.empty(constant.size)
         none = np.zeros(0, dtype=np.int64)
         self._entries: Entries = none, none, np.zeros(0)
         self._written: csr_matrix | None = None
@@ -158,20 +158,20 @@ class ContactTangent:
 
     def multiply(self, values: Array) -> Array:
         """The tangent times all unknowns."""
-        inner, shortenings = values[: self.constant.size], values[self.constant.size :]
-        forces, own = self.border.times(inner, shortenings)
+        inner, scalars = values[: self.constant.size], values[self.constant.size :]
+        forces, own = self.border.times(inner, scalars)
         return np.concatenate([self.constant.with_contacts(self._added, inner) + forces, own])
 
     def times(self, values: Array) -> Array:
         """The same without contacts."""
-        inner, shortenings = values[: self.constant.size], values[self.constant.size :]
-        forces, own = self.border.times(inner, shortenings)
+        inner, scalars = values[: self.constant.size], values[self.constant.size :]
+        forces, own = self.border.times(inner, scalars)
         return np.concatenate([self.constant.times(inner) + forces, own])
 
     def times_transposed(self, values: Array) -> Array:
         """The transpose, without contacts, times all unknowns."""
-        inner, shortenings = values[: self.constant.size], values[self.constant.size :]
-        forces, own = self.border.times(inner, shortenings)
+        inner, scalars = values[: self.constant.size], values[self.constant.size :]
+        forces, own = self.border.times(inner, scalars)
         return np.concatenate([self.constant.transposed.times(inner) + forces, own])
 
     def magnitude(self, values: Array) -> float:

@@ -90,14 +90,14 @@ class ContactMatrix(AddedTangents):
             if surface in self._between:
                 self._between[surface].linearise(found[2])
             self._add_borders(self.matrix, surface, motions, found)
-        self.add_far_field(self.matrix)
-        self.add_preloads(self.matrix)
+        self.add_motions(self.matrix)
+        self.add_forces(self.matrix)
         self.matrix.assemble()
         self.matrix.zeroRowsColumns(self._constrained, diag=0.0)
-        if self._problem.preloads:
+        if self._problem.body_scalars:
             self._hold_scalars()
-        if self._problem.far_field is not None:
-            self.tie_far_field(self.matrix)
+        if any(unknown.motion is not None for unknown in self._unknowns):
+            self.tie_motions(self.matrix)
             self._scale_ties()
 
     def _hold_scalars(self) -> None:

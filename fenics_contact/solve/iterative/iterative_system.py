@@ -211,7 +211,7 @@ class IterativeSystem(BodySystem):
         self.preconditioner.follow_tangent()
 
     def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
-        """Forces of the bulk, also where supports hold; and along preloaded parts; collective."""
+        """Forces of the bulk, also where supports hold; and on its scalars; collective."""
         held = self.held
         with self._inner as array:
             array[:] = state.array_r[: self._owned_size]
@@ -227,22 +227,23 @@ class IterativeSystem(BodySystem):
             array[:] = 0.0
             array[: self._owned_size] = self._outer.array_r
             array[held] = self._prescribed.array_r
-        self._add_preloads(state, forces)
+        self._add_scalars(state, forces)
 
-    def _add_preloads(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
-        """Forces by shortenings, and forces along preloaded parts in their rows; collective."""
-        if not self.problem.preloads:
+    def _add_scalars(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
+        """Forces of the body's scalars on it, and in their rows those on them; collective."""
+        if not self.problem.body_scalars:
             return
-        scalars = self.problem.of_preloads(self.scalar_values(state))
-        nodal = [p.bulk.nodal.reshape(-1)[: self._owned_size] for p in self.problem.preloads]
+        values = self.problem.of_body_scalars(self.scalar_values(state))
+        every = [scalar.forces_on_body for scalar in self.problem.body_scalars]
+        nodal = [one.nodal.reshape(-1)[: self._owned_size] for one in every]
         moved = state.array_r[: self._owned_size]
-        along = total(self.comm, np.array([float(one @ moved) for one in nodal]))
-        along += [p.bulk.stiffness * q for p, q in zip(self.problem.preloads, scalars, strict=True)]
+        on_scalars = total(self.comm, np.array([float(one @ moved) for one in nodal]))
+        on_scalars += [one.stiffness * value for one, value in zip(every, values, strict=True)]
         with forces as array:
-            for one, value in zip(nodal, scalars, strict=True):
+            for one, value in zip(nodal, values, strict=True):
                 array[: self._owned_size] += value * one
             if self.comm.rank == 0:
-                array[-len(along) :] = along
+                array[-len(on_scalars) :] = on_scalars
 
     def _bulk_forces(self) -> None:
         """K, supports cleared and without springs, times ``_inner`` into ``_outer``."""
@@ -285,18 +286,16 @@ class IterativeSystem(BodySystem):
         self._move_zone()
 
     def tie(self, change: PETSc.Vec) -> None:
-        """Let constrained dofs change as the resultants say, or not at all; collective.
+        """Let constrained dofs change as scalars prescribe, or not at all; collective.
 
         Exactly, as the balance of forces does not see their rows.
         """
-        far_field = self.problem.far_field
         values = np.zeros(self._owned_size)
-        if far_field is not None:
-            mine = far_field.dofs < self._owned_size
-            scalars = self.scalar_values(change)
-            for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
-                if unknown.column is not None:
-                    values[far_field.dofs[mine]] += value * unknown.column[mine]
+        scalars = self.scalar_values(change)
+        for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
+            if unknown.motion is not None:
+                dofs, moved = unknown.motion.owned(self._owned_size)
+                values[dofs] += value * moved
         held = self.held
         with change as array:
             array[held] = values[held]

@@ -29,7 +29,7 @@ from fenics_contact.solve.load_steps.resting_place import RestingPlace
 from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.newton.tightening import let_go
+from fenics_contact.solve.newton.tightening import release_held
 
 logger = logging.getLogger(__name__)
 
@@ -315,9 +315,9 @@ class LoadSteps(RestingPlace):
         return found
 
     def _solve(self) -> Solution:
-        """A step from its beginning; once more where a preload that was held has a force."""
+        """A step from its beginning; once more where a scalar that was held has a force."""
         found = solve_step(self.newton)
-        return solve_step(self.newton) if let_go(self.newton, found) else found
+        return solve_step(self.newton) if release_held(self.newton, found) else found
 
     def _prediction(self, time: float) -> Unknowns | None:
         """Where the last two steps lead to, if no load path turns on the way.

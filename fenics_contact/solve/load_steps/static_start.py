@@ -16,7 +16,6 @@ from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.inertia.sliding import elastic_slip
 from fenics_contact.problem.inertia.states import FirstState
 from fenics_contact.problem.problem import Problem
-from fenics_contact.scene.steps import Steps
 from fenics_contact.solve.load_steps.load_stepper import solve
 from fenics_contact.solve.newton.solution import Solution
 
@@ -49,12 +48,7 @@ def begin_motion(problem: Problem, timings: Timings) -> None:
 
 def _at_rest(problem: Problem, timings: Timings) -> Problem:
     """The same scene without masses, under what acts at time 0; collective."""
-    contacts = tuple(
-        replace(contact, friction_law=contact.friction_law and contact.friction_law.at_rest)
-        for contact in problem.scene.contact
-    )
-    preloads = tuple(replace(preload, locked_from=None) for preload in problem.scene.preload)
-    scene = replace(problem.scene, contact=contacts, preload=preloads, motion=None, steps=Steps())
+    scene = problem.scene.at_rest
     rest = Problem(scene, problem.discrete, timings, by_points=True)
     rest.take_loads(problem)
     rest.drive = Drive(np.zeros_like(problem.load), rest=0.0, share=lambda time: 0.0)
@@ -85,11 +79,11 @@ def _take(problem: Problem, rest: Problem, found: Solution) -> None:
             energy=energy,
             pressures=pressures,
             overlaps=tuple(c.kinematics.interference - c.kinematics.worn for c in rest.contacts),
-            preloads=tuple((state.force, state.shortening) for state in found.preloads),
+            scalars=tuple((state.force, state.value) for state in found.scalars),
         ),
     )
-    for preload, state in zip(problem.preloads, found.preloads, strict=True):
-        preload.reach(state.shortening)
+    for scalar, state in zip(problem.body_scalars, found.scalars, strict=True):
+        scalar.reach(state.value)
     problem.set_time(0.0)
 
 
@@ -97,7 +91,7 @@ def _stored(rest: Problem, found: Solution) -> float:
     """In strains, springs of contacts and elastic slip (energy); collective."""
     own = slice(rest.spaces.owned_nodes)
     works = found.displacement[own] * found.internal_force[own]
-    stored = 0.5 * (float(total(rest.comm, np.sum(works))) + found.along_shortenings)
+    stored = 0.5 * (float(total(rest.comm, np.sum(works))) + found.work_on_scalars)
     for contact, state in zip(rest.contacts, found.states, strict=True):
         stored += float(contact.trace.integral(state.penalty_energy))
         stored += contact.work.in_elastic_slip(state) if contact.friction.stores_energy else 0.0

@@ -33,8 +33,8 @@ class LinearisedBody:
         system, body = self._system, self._body
         load = body.stiffness.load(nodal, np.zeros_like(nodal), body.held)
         condensed = body.bulk.condense(load)
-        along = body.preloads.from_loads(load, np.zeros_like(load))
-        at_contacts, shortenings = system.change(condensed, along)
-        for value, one in zip(shortenings, body.preloads.loads, strict=True):
+        on_scalars = body.scalars.from_loads(load, np.zeros_like(load))
+        at_contacts, scalars = system.change(condensed, on_scalars)
+        for value, one in zip(scalars, body.scalars.loads, strict=True):
             load += value * one
         return body.stiffness.at_nodes(body.bulk.expand(load, at_contacts))

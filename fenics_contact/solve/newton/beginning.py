@@ -108,6 +108,6 @@ class Beginning:
         """Whether nothing presses on an obstacle that a force drives, or nowhere; collective."""
         pushing = [contact for contact in self._problem.contacts if contact.is_one_sided]
         touched = [largest(self._problem.comm, contact.pressure()) > 0 for contact in pushing]
-        loose = [contact.floats for contact in pushing]
+        loose = [contact.has_unknown_position for contact in pushing]
         apart = any(f and not t for f, t in zip(loose, touched, strict=True))
         return apart or (bool(pushing) and not any(touched))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
-from fenics_contact.problem.scalar_unknowns import PreloadState
+from fenics_contact.problem.scalars.body_scalar import ScalarState
 from fenics_contact.results.records.cycles import CycleEnd
 from fenics_contact.solve.systems.body_answer import FindBody
 
@@ -33,7 +33,7 @@ class Solution:
             differences, estimated; None where there were not two passes.
         attempts: Strategies that did not converge before, each with what happened.
         imbalance_limit: The imbalance that was accepted as converged (force).
-        preloads: Of each preload, the same on every rank.
+        scalars: Force on each of the body's scalars, and its value, the same on every rank.
         cycle: What the cycle of loads that ends with it has brought, if one does.
     """
 
@@ -50,7 +50,7 @@ class Solution:
     factorisations: int
     contraction: float | None = None
     attempts: tuple[str, ...] = ()
-    preloads: tuple[PreloadState, ...] = ()
+    scalars: tuple[ScalarState, ...] = ()
     cycle: CycleEnd | None = None
 
     @property
@@ -64,9 +64,9 @@ class Solution:
         return self.find_body().internal_force
 
     @property
-    def along_shortenings(self) -> float:
-        """∑ N q of preloaded parts: twice what it adds to the strain energy (energy)."""
-        return float(sum(state.force * state.shortening for state in self.preloads))
+    def work_on_scalars(self) -> float:
+        """∑ N q of the forces N on the body's scalars q: twice their part of the strain energy."""
+        return float(sum(state.force * state.value for state in self.scalars))
 
     @property
     def bulk_round_off(self) -> float:

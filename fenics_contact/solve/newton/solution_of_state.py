@@ -26,7 +26,7 @@ def solution_of(newton: Newton, outer_iterations: int, strategy: str) -> Solutio
     normal = newton.system.contact_forces("normal")
     friction = newton.system.contact_forces("friction_term")
     problem = newton.problem
-    preloads = problem.preload_states(find_body().displacement) if problem.preloads else ()
+    scalars = problem.scalar_states(find_body().displacement) if problem.body_scalars else ()
     return Solution(
         find_body=find_body,
         normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
@@ -39,5 +39,5 @@ def solution_of(newton: Newton, outer_iterations: int, strategy: str) -> Solutio
         strategy=strategy,
         imbalance_limit=newton.limit,
         factorisations=newton.system.factorisations,
-        preloads=preloads,
+        scalars=scalars,
     )

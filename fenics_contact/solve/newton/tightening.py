@@ -1,9 +1,9 @@
-"""Preloads brought to bear before their equations are solved.
+"""The body's scalars under forces are brought to bear before their equations are solved.
 
-Where nothing touches yet, a bolt that is tightened to a force is a mechanism: no shortening of it
-finds a force to balance, and the tangent is singular. So shortenings are held and increased first,
-until the parts between the bolt's ends push back. A shortening that would give the force between
-fixed ends is never too much; where nothing pushes back it is doubled.
+Where nothing touches yet, a bolt that is tightened to a force is a mechanism: no value of its
+scalar, its shortening, finds a force to balance, and the tangent is singular. So scalars are held
+and increased first, until the body pushes back. A value that would give the force between fixed
+ends is never too much; where nothing pushes back it is doubled.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ logger = logging.getLogger(__name__)
 
 # Of the force asked for, from which something pushes back.
 _BEARS = 1e-3
-# Solves with held shortenings; each at least doubles those of bolts that are still loose.
+# Solves with held scalars; each at least doubles the steps of those that are still loose.
 _MOST = 30
-# Of what releases a bolt between fixed ends, to see how the others follow.
+# Of what releases a scalar between fixed ends, to see how the others follow.
 _TRIED = 0.1
-# Of the largest force of a bolt so far, below which it has none.
+# Of the largest force on a scalar so far, below which it has none.
 _NONE = 1e-9
 
 
 def tighten(newton: Newton, last: Solution | None) -> None:
-    """Take up the slack of preloads that had no force in the last load step; collective.
+    """Take up the slack of scalars that had no force in the last load step; collective.
 
     One that is asked for no force, and has none, stays where it is.
 
@@ -39,16 +39,17 @@ def tighten(newton: Newton, last: Solution | None) -> None:
         last: Of the load step before, if there was one.
     """
     problem, system = newton.problem, newton.system
-    before = [0.0] * len(problem.preloads) if last is None else [s.force for s in last.preloads]
-    largest = max([system.earlier_forces, *(abs(p.force) for p in problem.preloads)], default=0.0)
-    for preload in problem.preloads:
-        preload.keep(None)
-    free = [number for number, preload in enumerate(problem.preloads) if not preload.is_locked]
+    scalars = problem.body_scalars
+    before = [0.0] * len(scalars) if last is None else [state.force for state in last.scalars]
+    largest = max([system.earlier_forces, *(abs(one.force) for one in scalars)], default=0.0)
+    for one in scalars:
+        one.keep(None)
+    free = [number for number, one in enumerate(scalars) if not one.is_locked]
     had_none = {number for number in free if abs(before[number]) <= _NONE * largest}
-    idle = {number for number in free if problem.preloads[number].force == 0}
-    present = problem.of_preloads(system.scalar_values(system.state))
+    idle = {number for number in free if scalars[number].force == 0}
+    present = problem.of_body_scalars(system.scalar_values(system.state))
     for number in had_none | idle:
-        problem.preloads[number].keep(float(present[number]))
+        scalars[number].keep(float(present[number]))
     start = newton.save()
     for chosen, way in ((sorted(had_none - idle), _take_up), (sorted(idle - had_none), _release)):
         if not chosen:
@@ -56,16 +57,16 @@ def tighten(newton: Newton, last: Solution | None) -> None:
         try:
             way(newton, chosen)
         except NotConvergedError as error:
-            logger.debug("  taking up the slack of preloads: %s", error)
+            logger.debug("  taking up the slack: %s", error)
             newton.restore(start)
             for number in chosen:
-                problem.preloads[number].keep(None)
+                scalars[number].keep(None)
     for number in had_none - idle:
-        problem.preloads[number].keep(None)
+        scalars[number].keep(None)
 
 
-def let_go(newton: Newton, found: Solution) -> bool:
-    """Have the equation of a preload solved that was held for no force, and has one.
+def release_held(newton: Newton, found: Solution) -> bool:
+    """Have the equation of a scalar solved that was held for no force, and has one.
 
     Args:
         newton: After a solve.
@@ -74,23 +75,23 @@ def let_go(newton: Newton, found: Solution) -> bool:
     Returns:
         Whether there is one.
     """
-    if not newton.problem.preloads:  # nothing to ask the body for
+    if not newton.problem.body_scalars:  # nothing to ask the body for
         return False
     limit = max(found.imbalance_limit, found.bulk_round_off)
     again = False
-    for preload, state in zip(newton.problem.preloads, found.preloads, strict=True):
-        kept = preload.held is not None and not preload.is_locked
-        if kept and abs(state.force - preload.force) > limit:
-            preload.keep(None)
+    for scalar, state in zip(newton.problem.body_scalars, found.scalars, strict=True):
+        kept = scalar.held is not None and not scalar.is_locked
+        if kept and abs(state.force - scalar.force) > limit:
+            scalar.keep(None)
             again = True
     return again
 
 
 def _take_up(newton: Newton, numbers: list[int]) -> None:
-    """Increase shortenings until something pushes back; collective."""
-    bolts = [newton.problem.preloads[number] for number in numbers]
-    asked = np.array([bolt.force for bolt in bolts])
-    steps = asked / [bolt.bulk.stiffness for bolt in bolts]
+    """Increase scalars until something pushes back; collective."""
+    chosen = [newton.problem.body_scalars[number] for number in numbers]
+    asked = np.array([one.force for one in chosen])
+    steps = asked / [one.forces_on_body.stiffness for one in chosen]
     for _ in range(_MOST):
         bears = _forces_after(newton, numbers, steps) / asked >= _BEARS
         if bears.all():
@@ -99,20 +100,20 @@ def _take_up(newton: Newton, numbers: list[int]) -> None:
 
 
 def _release(newton: Newton, numbers: list[int]) -> None:
-    """Reduce shortenings until no force is left, by secants; collective.
+    """Reduce scalars until no force is left, by secants; collective.
 
-    Bolts of one joint unload each other: too long a step of one would leave gaps where the parts
-    are to touch.
+    Those of one joint unload each other: too long a step of one bolt would leave gaps where the
+    parts are to touch.
 
     Raises:
         NotConvergedError: It does not come to that.
     """
-    bolts = [newton.problem.preloads[number] for number in numbers]
-    steps = np.zeros(len(bolts))
+    chosen = [newton.problem.body_scalars[number] for number in numbers]
+    steps = np.zeros(len(chosen))
     forces = _forces_after(newton, numbers, steps)
     largest = np.abs(forces).max()
-    stiffness = np.diag([bolt.bulk.stiffness for bolt in bolts])
-    if len(bolts) > 1 and largest > 0:
+    stiffness = np.diag([one.forces_on_body.stiffness for one in chosen])
+    if len(chosen) > 1 and largest > 0:
         forces, stiffness = _stiffnesses(newton, numbers, forces, np.diag(stiffness))
     for _ in range(_MOST):
         if np.abs(forces).max() <= newton.problem.scene.solver.tolerance * largest:
@@ -131,11 +132,11 @@ def _release(newton: Newton, numbers: list[int]) -> None:
 def _stiffnesses(
     newton: Newton, numbers: list[int], forces: Array, own: Array
 ) -> tuple[Array, Array]:
-    """Forces after a small release of each bolt in turn, and their derivatives; collective.
+    """Forces after a small release of each scalar in turn, and their derivatives; collective.
 
     Args:
-        newton: With these bolts held.
-        numbers: Of the bolts.
+        newton: With these scalars held.
+        numbers: Numbers of the scalars.
         forces: That they have.
         own: Stiffness of each between fixed ends (force/length).
     """
@@ -151,10 +152,10 @@ def _stiffnesses(
 
 
 def _forces_after(newton: Newton, numbers: list[int], steps: Array) -> Array:
-    """Forces of held bolts after steps of their shortenings; collective."""
+    """Forces on held scalars after steps of their values; collective."""
     for number, step in zip(numbers, steps, strict=True):
-        bolt = newton.problem.preloads[number]
-        bolt.keep((bolt.held or 0.0) + float(step))
+        scalar = newton.problem.body_scalars[number]
+        scalar.keep((scalar.held or 0.0) + float(step))
     newton.system.follow_supports()
     newton.run()
-    return newton.system.along_parts[numbers]
+    return newton.system.scalar_forces[numbers]

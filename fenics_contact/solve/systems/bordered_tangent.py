@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
-from fenics_contact.body.parts.preloaded_part import PreloadForces
+from fenics_contact.body.scalar_forces import ScalarForces
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import ContactScalar, ScalarUnknown
+from fenics_contact.problem.scalars.scalar import ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import Entries, PairStiffness
 
@@ -23,8 +23,8 @@ class AddedTangents:
 
     Each rank's rows are its displacements, then its mean stresses; rank 0 has the scalars
     last. A contact's energy depends on the jump w = u − d m, so its tangent K_c in the jump
-    gives those in u and d: K_c, −K_c m and mᵀ K_c m. Where a contact reaches the outer boundary
-    of a half-space, u follows the resultants there, and so do these.
+    gives those in u and d: K_c, −K_c m and mᵀ K_c m. Where a contact reaches displacements that a
+    scalar prescribes, as on the outer boundary of a half-space, u follows it, and so do these.
 
     Attributes:
         scalars: Number of scalar unknowns.
@@ -44,7 +44,7 @@ class AddedTangents:
         self.surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
         self._first = displacement.getOwnershipRange()[0]
         self._column_of: Callable[[Integers], Integers] | None = None
-        self._far_forces = [self._force_of_far_field(displacement, u) for u in self._unknowns]
+        self._motion_forces = [self._forces_of_motion(displacement, u) for u in self._unknowns]
         self._motions = [[self._motion(s, u) for u in self._unknowns] for s in self.surfaces]
 
     def _place(self, displacement: PETSc.Mat, layout: PETSc.Mat) -> None:
@@ -67,30 +67,26 @@ class AddedTangents:
             if surface.contact is unknown.contact or motions[number].any():
                 inside = (surface.dofs >= first) & (surface.dofs < first + self._owned)
                 coupled = np.union1d(coupled, surface.dofs[inside] - first)
-        far_field = self._problem.far_field
-        if unknown.column is not None and far_field is not None:
-            outer = far_field.dofs[far_field.dofs < self._owned]
-            coupled = np.union1d(coupled, outer)
-        if unknown.bulk is not None:
-            own = unknown.bulk.nodal.reshape(-1)[: self._owned]
+        if unknown.motion is not None:
+            coupled = np.union1d(coupled, unknown.motion.owned(self._owned)[0])
+        if unknown.forces_on_body is not None:
+            own = unknown.forces_on_body.nodal.reshape(-1)[: self._owned]
             coupled = np.union1d(coupled, np.flatnonzero(own))
-        return np.union1d(coupled, np.flatnonzero(self._far_forces[number]))
+        return np.union1d(coupled, np.flatnonzero(self._motion_forces[number]))
 
-    def _force_of_far_field(self, displacement: PETSc.Mat, unknown: ScalarUnknown) -> Array:
-        """K u and −u of the outer boundary's displacement over a resultant, owned dofs."""
+    def _forces_of_motion(self, displacement: PETSc.Mat, unknown: ScalarUnknown) -> Array:
+        """K u and −u of the displacements u that a unit of a scalar prescribes, owned dofs."""
         result = np.zeros(self._owned)
-        if unknown.column is None:
+        if unknown.motion is None:
             return result
-        far_field = self._problem.far_field
-        assert far_field is not None
+        dofs, values = unknown.motion.owned(self._owned)
         moved, forces = displacement.createVecs()
-        mine = far_field.dofs < self._owned
         with moved as array:
-            array[far_field.dofs[mine]] = unknown.column[mine]
+            array[dofs] = values
         displacement.mult(moved, forces)
         result[:] = forces.array_r
         result[self._problem.constrained[self._problem.constrained < self._owned]] = 0.0
-        result[far_field.dofs[mine]] = -unknown.column[mine]
+        result[dofs] = -values
         moved.destroy()
         forces.destroy()
         return result
@@ -129,17 +125,16 @@ class AddedTangents:
     def _motion(self, surface: SurfaceMatrix, unknown: ScalarUnknown) -> Array:
         """Of the jump over a scalar unknown, at all dofs of a surface; collective."""
         motion = np.zeros(len(surface.dofs))
-        far_field = self._problem.far_field
-        if unknown.column is not None and far_field is not None:
-            mine = far_field.dofs < self._owned
-            numbers, values = self._first + far_field.dofs[mine], unknown.column[mine]
+        if unknown.motion is not None:
+            dofs, values = unknown.motion.owned(self._owned)
+            numbers = self._first + dofs
             shared = np.isin(numbers, surface.dofs)
             comm = self._problem.comm
             numbers = gather_rows(comm, numbers[shared])
             order = np.argsort(surface.dofs)
             places = order[np.searchsorted(surface.dofs, numbers, sorter=order)]
             motion[places] = gather_rows(comm, values[shared])
-        elif isinstance(unknown, ContactScalar) and unknown.contact is surface.contact:
+        elif unknown.drives and unknown.contact is surface.contact:
             motion[:] = -np.resize(unknown.direction, len(motion))
         return motion
 
@@ -158,7 +153,7 @@ class AddedTangents:
             every = np.broadcast_to(scalar, values.shape)
             if motions[number].any():
                 add_entries(tangent, at_rows, every, moved[number])
-            if not isinstance(unknown, ContactScalar) or unknown.contact is not surface.contact:
+            if unknown.contact is not surface.contact:
                 continue
             # K_c is the derivative of −r_c.
             along = -unknown.pushes * unknown.direction[rows % size]
@@ -168,23 +163,24 @@ class AddedTangents:
                 corner = [float(along @ by)]
                 tangent.setValues(scalar, column, corner, addv=PETSc.InsertMode.ADD_VALUES)
 
-    def add_preloads(self, tangent: PETSc.Mat) -> None:
-        """Add what shortenings of preloaded parts do to the body, and it to them; collective."""
+    def add_forces(self, tangent: PETSc.Mat) -> None:
+        """Add the forces of scalars on the body, in their columns and rows; collective."""
         add = PETSc.InsertMode.ADD_VALUES
         for number, unknown in enumerate(self._unknowns):
-            if unknown.bulk is None:
+            forces = unknown.forces_on_body
+            if forces is None:
                 continue
             scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
-            for dofs, values in self._bulk_columns(unknown.bulk):
+            for dofs, values in self._bulk_columns(forces):
                 rows = self._rows(tangent, dofs)
                 tangent.setValues(rows, scalar, values, addv=add)
                 tangent.setValues(scalar, rows, values, addv=add)
             if self._problem.comm.rank == 0:
-                tangent.setValues(scalar, scalar, [unknown.bulk.stiffness], addv=add)
+                tangent.setValues(scalar, scalar, [forces.stiffness], addv=add)
 
-    def _bulk_columns(self, bulk: PreloadForces) -> list[tuple[Integers, Array]]:
-        """Rows of this rank that a shortening enters, and what it does there."""
-        own = bulk.nodal.reshape(-1)[: self._owned]
+    def _bulk_columns(self, forces: ScalarForces) -> list[tuple[Integers, Array]]:
+        """Rows of this rank that a scalar puts forces on, and the forces of a unit of it."""
+        own = forces.nodal.reshape(-1)[: self._owned]
         dofs = np.flatnonzero(own)
         return [(dofs, own[dofs])]
 
@@ -194,37 +190,33 @@ class AddedTangents:
         rows = [self._scalar_row(tangent, i) for i in held if self._problem.comm.rank == 0]
         return np.array(rows, dtype=PETSc.IntType)
 
-    def add_far_field(self, tangent: PETSc.Mat) -> None:
-        """Add what resultants do to the body through its outer boundary; collective.
+    def add_motions(self, tangent: PETSc.Mat) -> None:
+        """Add each scalar's own factor, and what it does by prescribed displacements; collective.
 
         Before the constrained rows are cleared, the forces on free dofs; the rows of the
-        outer boundary itself are set by ``tie_far_field``.
+        displacements themselves are set by ``tie_motions``.
+        """
+        add = PETSc.InsertMode.ADD_VALUES
+        for number, unknown in enumerate(self._unknowns):
+            scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
+            if unknown.own and self._problem.comm.rank == 0:
+                tangent.setValues(scalar, scalar, [unknown.own], addv=add)
+            if unknown.motion is not None:
+                forces = self._motion_forces[number]
+                dofs = np.flatnonzero(forces)
+                tangent.setValues(self._rows(tangent, dofs), scalar, forces[dofs], addv=add)
+
+    def tie_motions(self, tangent: PETSc.Mat) -> None:
+        """Set the rows u − U q = 0 of prescribed displacements, after all were cleared.
+
+        Collective.
         """
         for number, unknown in enumerate(self._unknowns):
-            if unknown.column is None:
+            if unknown.motion is None:
                 continue
-            dofs = np.flatnonzero(self._far_forces[number])
+            dofs, values = unknown.motion.owned(self._owned)
             scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
-            tangent.setValues(
-                self._rows(tangent, dofs),
-                scalar,
-                self._far_forces[number][dofs],
-                addv=PETSc.InsertMode.ADD_VALUES,
-            )
-            if self._problem.comm.rank == 0:
-                tangent.setValues(scalar, scalar, [1.0], addv=PETSc.InsertMode.ADD_VALUES)
-
-    def tie_far_field(self, tangent: PETSc.Mat) -> None:
-        """Set the rows u − U R = 0 of the outer boundary, after all were cleared; collective."""
-        far_field = self._problem.far_field
-        for number, unknown in enumerate(self._unknowns):
-            if unknown.column is None:
-                continue
-            assert far_field is not None
-            mine = far_field.dofs < self._owned
-            scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
-            rows = self._rows(tangent, far_field.dofs[mine])
-            tangent.setValues(rows, scalar, -unknown.column[mine])
+            tangent.setValues(self._rows(tangent, dofs), scalar, -values)
         tangent.assemble()
 
     def _matrix_rows(self, dofs: Integers) -> Integers:

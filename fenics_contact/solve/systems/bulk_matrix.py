@@ -7,11 +7,11 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
-from fenics_contact.body.parts.preloaded_part import PreloadForces
+from fenics_contact.body.scalar_forces import ScalarForces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import ScalarUnknown
+from fenics_contact.problem.scalars.scalar import ScalarUnknown
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
 from fenics_contact.solve.systems.petsc_library import preallocate_places, set_at_places
 
@@ -20,14 +20,15 @@ class LinearSystem(AddedTangents):
     """K, assembled once, with room for all that a tangent adds to it.
 
     Attributes:
-        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress; for the scalars what preloads add.
+        stiffness: K, or [[K, Bᵀ], [B, −C]] with a mean stress, and the forces of scalars on the
+            body.
     """
 
     def __init__(self, problem: Problem) -> None:
         displacement = assembled(problem.elastic.stiffness)
         super().__init__(problem, displacement)
         self._mixed = problem.elastic.mixed
-        self._far_volumes: list[Array] = []
+        self._motion_volumes: list[Array] = []
         displacement = self._with_neighbours(self._with_opposites(displacement))
         if self._mixed is None and self.scalars == 0:
             self.stiffness = displacement
@@ -35,13 +36,14 @@ class LinearSystem(AddedTangents):
         blocks = [[displacement]]
         if self._mixed is not None:
             blocks = self._with_mean_stress(displacement)
-            self._far_volumes = [self._volume_of_far_field(blocks[1][0], u) for u in self._unknowns]
+            divergence = blocks[1][0]
+            self._motion_volumes = [self._volume_of_motion(divergence, u) for u in self._unknowns]
         if self.scalars:
             blocks = self._with_scalars(blocks, displacement)
         nested = PETSc.Mat().createNest(blocks, comm=problem.comm)
         self.stiffness = nested.convert("aij", PETSc.Mat())
         self._place(displacement, self.stiffness)
-        self.add_preloads(self.stiffness)
+        self.add_forces(self.stiffness)
         self.stiffness.assemble()
         for matrix in [nested, *(m for row in blocks for m in row if m is not None)]:
             matrix.destroy()
@@ -115,18 +117,18 @@ class LinearSystem(AddedTangents):
 
     def _coupled_stresses(self) -> list[Integers]:
         """Owned dofs of the mean stress that each scalar is coupled with."""
-        found = [np.flatnonzero(volume) for volume in self._far_volumes]
+        found = [np.flatnonzero(volume) for volume in self._motion_volumes]
         for number, unknown in enumerate(self._unknowns):
-            if unknown.bulk is not None:
-                own = unknown.bulk.on_mean_stress[: unknown.bulk.owned_stresses]
+            if (forces := unknown.forces_on_body) is not None:
+                own = forces.on_mean_stress[: forces.owned_stresses]
                 found[number] = np.union1d(found[number], np.flatnonzero(own))
         return found
 
-    def _bulk_columns(self, bulk: PreloadForces) -> list[tuple[Integers, Array]]:
-        """The same, with the rows of the mean stress."""
-        own = bulk.on_mean_stress[: bulk.owned_stresses]
+    def _bulk_columns(self, forces: ScalarForces) -> list[tuple[Integers, Array]]:
+        """Rows of this rank that a scalar puts forces on, those of the mean stress too."""
+        own = forces.on_mean_stress[: forces.owned_stresses]
         dofs = np.flatnonzero(own)
-        return [*super()._bulk_columns(bulk), (self._owned + dofs, own[dofs])]
+        return [*super()._bulk_columns(forces), (self._owned + dofs, own[dofs])]
 
     def _empty_rows(
         self, line: PETSc.Mat, sizes: tuple[int, int], local: list[Integers]
@@ -158,25 +160,24 @@ class LinearSystem(AddedTangents):
         columns.assemble()
         return columns
 
-    def _volume_of_far_field(self, divergence: PETSc.Mat, unknown: ScalarUnknown) -> Array:
-        """What a resultant's far field adds to the rows of the mean stress, owned ones."""
+    def _volume_of_motion(self, divergence: PETSc.Mat, unknown: ScalarUnknown) -> Array:
+        """What displacements that a scalar prescribes add to owned rows of the mean stress."""
         moved, volumes = divergence.createVecs()
-        far_field = self._problem.far_field
-        if unknown.column is not None and far_field is not None:
-            mine = far_field.dofs < self._owned
+        if unknown.motion is not None:
+            dofs, values = unknown.motion.owned(self._owned)
             with moved as array:
-                array[far_field.dofs[mine]] = unknown.column[mine]
+                array[dofs] = values
         divergence.mult(moved, volumes)
         found = np.array(volumes.array_r)
         moved.destroy()
         volumes.destroy()
         return found
 
-    def add_far_field(self, tangent: PETSc.Mat) -> None:
-        """The same, with the rows of the mean stress; collective."""
-        super().add_far_field(tangent)
+    def add_motions(self, tangent: PETSc.Mat) -> None:
+        """Add what scalars do by prescribed displacements, to mean stresses too; collective."""
+        super().add_motions(tangent)
         add = PETSc.InsertMode.ADD_VALUES
-        for number, volume in enumerate(self._far_volumes):
+        for number, volume in enumerate(self._motion_volumes):
             rows = np.flatnonzero(volume)
             scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
             places = self._rows(tangent, self._owned + rows)

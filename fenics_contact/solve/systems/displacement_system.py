@@ -32,7 +32,7 @@ class BodySystem(System):
     def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
         """Forces of the bulk, also where supports hold; and on the scalars; collective.
 
-        These are the forces along preloaded parts, in the rows of their shortenings.
+        In the rows of the body's scalars these are the forces that do work on them.
         """
 
     @property
@@ -60,14 +60,14 @@ class BodySystem(System):
                 array[-self.scalars :] = self.starting_scalars()
 
     def follow_supports(self) -> None:
-        """Bring supports to their present values, the far field to its resultants'; collective."""
+        """Bring supports to their present values, also those that scalars move; collective."""
         problem = self.problem
         values = problem.prescribed.copy()
-        far_field = problem.far_field
         scalars = self.scalar_values(self.state)
         for unknown, value in zip(problem.unknowns, scalars, strict=True):
-            if unknown.column is not None and far_field is not None:
-                values[np.isin(problem.constrained, far_field.dofs)] += value * unknown.column
+            if (motion := unknown.motion) is not None:
+                moved = np.isin(problem.constrained, motion.dofs)
+                values[moved] += value * motion.displacement
         with self.state as array:
             array[self.held] = values[problem.constrained < self._owned_size]
         self.hold_scalars()
@@ -96,7 +96,7 @@ class BodySystem(System):
         """K u − f − r_c(u), and the scalars' rows; collective."""
         self.take(state)
         self.internal_forces(state, residual)
-        self._note_along_parts(residual.array_r)
+        self._note_scalar_forces(residual.array_r)
         contacts = self.contact_residual(state)
         with residual as array:
             array += contacts

@@ -62,7 +62,7 @@ class FullSystem(BodySystem):
         for contact in self.problem.contacts:
             contact.follow()
         self._system.add_contacts(tangent)
-        self._system.add_far_field(tangent)
+        self._system.add_motions(tangent)
         if springs:
             for row, stiffness in zip(*self._sprung, strict=True):
                 tangent.setValue(row, row, springs * stiffness, addv=PETSc.InsertMode.ADD_VALUES)
@@ -71,7 +71,7 @@ class FullSystem(BodySystem):
         rows = (first + self.held).astype(PETSc.IntType)
         rows = np.concatenate([rows, self._system.held_rows(tangent)])
         tangent.zeroRowsColumns(rows, diag=1.0)
-        self._system.tie_far_field(tangent)
+        self._system.tie_motions(tangent)
         self.factorisations += 1
 
     @cached_property
@@ -110,7 +110,7 @@ class FullSystem(BodySystem):
         self._system.set_mean_stress(self.state)
 
     def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
-        """K u and what a mean stress and preloads add; collective."""
+        """K u and what a mean stress and scalars add; collective."""
         self._system.stiffness.mult(state, forces)
 
     def finish(self) -> FindBody:

@@ -16,8 +16,9 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root, total
+from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknowns import ContactScalar
+from fenics_contact.problem.scalars.scalar import ScalarUnknown
 from fenics_contact.solve.systems.body_answer import FindBody
 
 
@@ -37,7 +38,8 @@ class System(ABC):
         factorisations: How often a matrix of the bulk was factorised.
         is_sprung: Whether it has ``step_springs``, for steps of Newton's method.
         earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
-        along_parts: Forces along preloaded parts at the last residual, on every rank (force).
+        scalar_forces: Forces of the body that do work on its scalars, at the last residual,
+            (body_scalars,), on every rank (force).
     """
 
     name: ClassVar[str]
@@ -57,7 +59,7 @@ class System(ABC):
         self.earlier_forces = 0.0
         self._contact_norm = 0.0
         self._load_norm: tuple[Array, float] | None = None
-        self.along_parts = np.zeros(len(problem.preloads))
+        self.scalar_forces = np.zeros(len(problem.body_scalars))
 
     def begin(self, displacement: Array) -> None:
         """Start a solve from nodal displacements (nodes, components); collective."""
@@ -158,9 +160,9 @@ class System(ABC):
         if known is None or known[0] is not load:  # another load is another array
             known = load, float(total(self.comm, self.problem.applied[:owned].sum()))
             self._load_norm = known
-        asked = np.array([preload.force for preload in self.problem.preloads])
-        tightened = np.maximum(np.abs(asked), np.abs(self.along_parts)).sum()
-        return known[1] + float(tightened) + self._contact_norm
+        asked = np.array([scalar.force for scalar in self.problem.body_scalars])
+        on_scalars = np.maximum(np.abs(asked), np.abs(self.scalar_forces)).sum()
+        return known[1] + float(on_scalars) + self._contact_norm
 
     @property
     def scalars(self) -> int:
@@ -180,18 +182,18 @@ class System(ABC):
             if self.scalars and self.comm.rank == 0:
                 array[-self.scalars :] = values
 
-    def _note_along_parts(self, forces: Array) -> None:
-        """Tell every rank the forces along preloaded parts, which rank 0 has last; collective."""
-        count = len(self.problem.preloads)
+    def _note_scalar_forces(self, forces: Array) -> None:
+        """Tell every rank the forces on the body's scalars, which rank 0 has last; collective."""
+        count = len(self.problem.body_scalars)
         if count:
             own = np.array(forces[-count:]) if self.comm.rank == 0 else None
-            self.along_parts = np.asarray(from_root(self.comm, own))
+            self.scalar_forces = np.asarray(from_root(self.comm, own))
 
     def set_mean_stress(self) -> None:  # noqa: B027  (most systems have none)
         """Start from the mean stress that its function has, where it is an unknown here."""
 
     def starting_scalars(self) -> Array:
-        """Where driven obstacles and preloads stand; no resultants yet."""
+        """Values of the scalar unknowns at which a solve starts, (scalars,)."""
         return np.array([unknown.start for unknown in self.problem.unknowns])
 
     @property
@@ -222,24 +224,25 @@ class System(ABC):
     def move_contacts(self, displacements: Sequence[Array | None], scalars: Array) -> None:
         """Set the jumps from displacements relative to bodies opposite, at all nodes of surfaces.
 
-        None where they are not known. And give preloaded parts their shortening.
+        None where they are not known. And give the body the values of its scalars.
         """
-        for preload, value in zip(
-            self.problem.preloads, self.problem.of_preloads(scalars), strict=True
-        ):
-            preload.set(float(value))
-        driven = {
-            unknown.contact: float(value)
-            for unknown, value in zip(self.problem.unknowns, scalars, strict=True)
-            if isinstance(unknown, ContactScalar) and unknown.drives
-        }
+        driven: dict[ContactSurface | None, float] = {}
+        for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
+            unknown.take(float(value))
+            if unknown.drives:
+                driven[unknown.contact] = float(value)
         for contact, displacement in zip(self.problem.contacts, displacements, strict=True):
             if displacement is not None:
                 contact.kinematics.move(displacement, driven.get(contact))
                 contact.follow_pressure()
 
-    def pushed(self, unknown: ContactScalar, forces: list[Array]) -> float:
-        """Force of a scalar unknown's contact on the body along its direction; collective."""
+    def pushed(self, unknown: ScalarUnknown, forces: list[Array]) -> float:
+        """Force of a scalar unknown's contact on the body along its direction, 0 without one.
+
+        Collective.
+        """
+        if unknown.contact is None:
+            return 0.0
         force = forces[self.problem.contacts.index(unknown.contact)]
         own = force[: unknown.contact.trace.surface.owned_nodes].sum(axis=0)
         return float(total(self.comm, own) @ unknown.direction)
@@ -247,13 +250,7 @@ class System(ABC):
     def scalar_imbalances(self, values: Array, forces: list[Array]) -> Array:
         """What the equations of the scalar unknowns leave, (scalars,) (force); collective.
 
-        Of those of the body's own forces, without these.
+        Without the forces that the body itself has in them.
         """
-        return np.array(
-            [
-                unknown.imbalance(float(value), self.pushed(unknown, forces))
-                if isinstance(unknown, ContactScalar)
-                else -unknown.force
-                for unknown, value in zip(self.problem.unknowns, values, strict=True)
-            ]
-        )
+        pairs = zip(self.problem.unknowns, values, strict=True)
+        return np.array([u.imbalance(float(value), self.pushed(u, forces)) for u, value in pairs])

@@ -38,16 +38,17 @@ def equilibrium(forces: NeededForces) -> Check | None:
     return replace(worst, parts=tuple(every)) if len(every) > 1 else worst
 
 
-def preload(forces: NeededForces) -> Check | None:
-    """Force along each part that is tightened against the one that is asked for; collective.
+def given_forces(forces: NeededForces) -> Check | None:
+    """Force on each of the body's scalars against the one that is given; collective.
 
-    Over the larger of the two; that along the part follows from displacements and shortening.
+    Such as that along a bolt that is tightened; over the larger of the two. The one compared
+    follows from the displacement and the scalar. None where no force is given.
     """
     problem, solution = forces.problem, forces.solution
-    asked = [one.force for one in problem.preloads if not one.is_locked]
+    asked = [one.force for one in problem.body_scalars if not one.is_locked]
     if not asked:
         return None
-    states = forces.preload_states()
+    states = forces.scalar_states()
     found = [state.force for state in states if not state.is_locked]
     size = float(np.abs([asked, found]).max()) or 1.0
     value = float(np.abs(np.subtract(found, asked)).max()) / size

@@ -48,7 +48,7 @@ def _obstacles(forces: NeededForces) -> list[Check]:
     free, comm = forces.problem.free, forces.problem.comm
     imbalance = forces.solution.imbalance_limit
     for number, contact in enumerate(forces.problem.contacts):
-        if not contact.floats:
+        if not contact.has_unknown_position:
             continue
         given = forces.solution.contact_force[number]
         # Where supports hold, the bulk's forces are theirs, too.

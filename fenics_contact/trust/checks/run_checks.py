@@ -22,7 +22,7 @@ from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.boundary_stress import boundary_stress
 from fenics_contact.trust.checks.compliance import penetration_depth, stick_creep
-from fenics_contact.trust.checks.equilibrium import equilibrium, preload, stabilisation
+from fenics_contact.trust.checks.equilibrium import equilibrium, given_forces, stabilisation
 from fenics_contact.trust.checks.friction import (
     ComparedFriction,
     compared_friction,
@@ -105,7 +105,7 @@ OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
     "equilibrium": lambda solved: equilibrium(solved.forces),
     "resultant": lambda solved: resultant(solved.forces),
     "stabilisation": lambda solved: stabilisation(solved.forces),
-    "preload": lambda solved: preload(solved.forces),
+    "preload": lambda solved: given_forces(solved.forces),
     "action_and_reaction": lambda solved: action_and_reaction(solved.forces),
     "boundary_stress": lambda solved: boundary_stress(solved.forces),
     "unseen_contact": lambda solved: unseen_contact(solved.forces),

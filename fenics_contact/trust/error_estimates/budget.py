@@ -21,11 +21,15 @@ from fenics_contact.quantities.names import (
     REACTION,
     STRAIN_ENERGY,
 )
-from fenics_contact.results.quantities import reactions_by_name
-from fenics_contact.results.records.contacts import PreloadRecord, ReactionRecord, SupportRecord
+from fenics_contact.results.quantities import (
+    quantities_of_scalars,
+    reactions_by_name,
+    scalars_of_step,
+)
+from fenics_contact.results.records.contacts import ReactionRecord, ScalarRecord, SupportRecord
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
-from fenics_contact.scene.quantity_names import OF_PRELOADS, LossOfCycle, OfPreload, Reaction
+from fenics_contact.scene.quantity_names import LossOfCycle, OfScalar, Reaction
 from fenics_contact.scene.scene import Scene
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.convergence.unbounded import Unbounded
@@ -56,7 +60,7 @@ class ErrorBudget:
         contacts: The same of every contact, in scene order.
         supports: The same of every support.
         reactions: The same of all supports of a name together, by that.
-        preloads: The same of every preload, by its name.
+        scalars: The same of every scalar unknown that results name, by that name.
         losses: Of what friction dissipates in a cycle of loads, by its key.
         notes: Sentences that say what was not estimated, and why.
         local: Errors of the cells, where those by the mesh were estimated.
@@ -69,7 +73,7 @@ class ErrorBudget:
     contacts: list[dict[str, Row]] = field(default_factory=list)
     supports: list[dict[str, Row]] = field(default_factory=list)
     reactions: dict[str, dict[str, Row]] = field(default_factory=dict)
-    preloads: dict[str, dict[str, Row]] = field(default_factory=dict)
+    scalars: dict[str, dict[str, Row]] = field(default_factory=dict)
     losses: dict[LossOfCycle, Row] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     local: LocalErrors | None = None
@@ -87,18 +91,15 @@ class ErrorBudget:
         """
         of_contacts: list[dict[str, Row]] = [{} for _ in range(contacts)]
         of = {key.of: {REACTION: row} for key, row in rows.items() if isinstance(key, Reaction)}
-        preloads: dict[str, dict[str, Row]] = {}
         for key, row in rows.items():
-            if isinstance(key, OfPreload):
-                preloads.setdefault(key.name, {})[key.quantity] = row
-            elif isinstance(key, tuple):
+            if isinstance(key, tuple):
                 of_contacts[key[0]][key[1]] = row
         return cls(
             quantities={key: row for key, row in rows.items() if isinstance(key, str)},
             contacts=of_contacts,
             supports=[of[number] for number in range(supports)],
             reactions={name: row for name, row in of.items() if isinstance(name, str)},
-            preloads=preloads,
+            scalars=_by_scalar(rows),
             losses={key: row for key, row in rows.items() if isinstance(key, LossOfCycle)},
         )
 
@@ -128,16 +129,25 @@ class ErrorBudget:
             for name, reaction in reactions_by_name(supports).items()
         }
 
-    def of_preloads(self, preloads: Mapping[str, PreloadRecord]) -> dict[str, PreloadRecord]:
-        """``preloads`` of ``result.json``, with ``errors`` where there are any.
+    def of_scalars(self, records: Mapping[str, ScalarRecord]) -> dict[str, ScalarRecord]:
+        """Records of scalar unknowns of ``result.json``, with ``errors`` where there are any.
 
         Args:
-            preloads: Without.
+            records: Without.
         """
         return {
-            name: replace(preload, errors=self.preloads.get(name, {}))
-            for name, preload in preloads.items()
+            name: replace(record, errors=self.scalars.get(name, {}))
+            for name, record in records.items()
         }
+
+
+def _by_scalar(rows: Mapping[Hashable, Row]) -> dict[str, dict[str, Row]]:
+    """The errors of scalar unknowns among those of all, by their names and quantities."""
+    found: dict[str, dict[str, Row]] = {}
+    for key, row in rows.items():
+        if isinstance(key, OfScalar):
+            found.setdefault(key.name, {})[key.quantity] = row
+    return found
 
 
 def unknown_budget(scene: Scene, step: StepRecord) -> ErrorBudget:
@@ -155,7 +165,7 @@ def unknown_budget(scene: Scene, step: StepRecord) -> ErrorBudget:
         contacts=[{name: row for name in _named(one.quantities)} for one in step.contacts],
         supports=[{REACTION: row} for _ in step.supports],
         reactions={name: {REACTION: row} for name in reactions_by_name(step.supports)},
-        preloads={name: dict.fromkeys(OF_PRELOADS, row) for name in step.preloads},
+        scalars=_by_scalar(dict.fromkeys(quantities_of_scalars(scalars_of_step(step)), row)),
     )
 
 
@@ -201,12 +211,9 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
 
 
 def _given(problem: Problem) -> dict[Hashable, Row]:
-    """Of preloads that are tightened to a force at the end: it is given, and has no error."""
-    return {
-        OfPreload(preload.scene.label, "force"): dict.fromkeys((*SOURCES, "total"), 0.0)
-        for preload in problem.preloads
-        if not preload.is_locked
-    }
+    """Forces on the body's scalars that are given at the end, which have no error."""
+    given = [one.key_of_force for one in problem.body_scalars if not one.is_locked]
+    return {key: dict.fromkeys((*SOURCES, "total"), 0.0) for key in given if key is not None}
 
 
 def row_of(key: Hashable, found: Mapping[str, Errors]) -> Row:

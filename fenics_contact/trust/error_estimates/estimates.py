@@ -156,8 +156,8 @@ class Estimates:
 
     @property
     def _takes_fewer(self) -> bool:
-        """Whether fewer load steps tell at little cost; bolts are not tightened from near by."""
-        return CoarseHistory.pays(self._parts) and not self._problem.preloads
+        """Whether fewer load steps tell at little cost; scalars of a body begin at their starts."""
+        return CoarseHistory.pays(self._parts) and not self._problem.body_scalars
 
     @cached_property
     def _coarse(self) -> CoarseHistory:
@@ -237,9 +237,9 @@ class Estimates:
 
 
 def _remembers(problem: Problem) -> bool:
-    """Whether the answer depends on load steps: friction, wear, locked bolts, new pairings."""
+    """Whether the answer depends on load steps: friction, wear, locked scalars, new pairings."""
     if any(contact.is_path_dependent for contact in problem.contacts):
         return True
-    if any(preload.is_locked for preload in problem.preloads):
+    if any(unknown.is_locked for unknown in problem.unknowns):
         return True
     return any(contact.kinematics.paired_at is not None for contact in problem.contacts)

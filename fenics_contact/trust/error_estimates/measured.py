@@ -11,14 +11,18 @@ from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.quantities import global_quantities, preload_records, support_records
+from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.quantities.table import QuantityValue
-from fenics_contact.results.quantities import reactions_by_name
-from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
+from fenics_contact.results.quantities import (
+    quantities_of_scalars,
+    reactions_by_name,
+    scalars_of_step,
+)
+from fenics_contact.results.records.contacts import SupportRecord
 from fenics_contact.scene.loading.load_paths import cycles_of
-from fenics_contact.scene.quantity_names import OF_PRELOADS, LossOfCycle, OfPreload, Reaction
+from fenics_contact.scene.quantity_names import LossOfCycle, Reaction
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
@@ -51,7 +55,7 @@ class Measured:
     def _forces(self, solution: Solution) -> NeededForces:
         """What the bulk needs in the present state; collective."""
         problem, system = self._problem, self._system
-        follows = problem.elastic.mixed is not None or problem.preloads
+        follows = problem.elastic.mixed is not None or problem.body_scalars
         if follows or not isinstance(system, CondensedSystem) or _rows(problem) > _MOST_ROWS:
             return BulkForces(problem, solution)
         scalars = system.scalar_values(system.state)
@@ -84,7 +88,8 @@ def measured(
     for number, of_contact in enumerate(contacts):
         found |= {(number, name): value for name, value in known_quantities(of_contact).items()}
     found |= _losses_of_cycles(problem, solution)
-    return found | _reactions(supports) | _preloads(preload_records(problem, solution))
+    found |= quantities_of_scalars(scalar_records(problem, solution))
+    return found | _reactions(supports)
 
 
 def recorded(
@@ -92,7 +97,7 @@ def recorded(
 ) -> dict[Hashable, QuantityValue]:
     """Quantities of a load step by the keys of ``Measured``, those that it has."""
     found: dict[Hashable, QuantityValue] = dict(answer) | _reactions(step["supports"])
-    found |= _preloads(step.get("preloads", {}))
+    found |= quantities_of_scalars(scalars_of_step(step))
     for key in answer:
         if isinstance(key, str | tuple):
             of, name = (step["contacts"][key[0]], key[1]) if isinstance(key, tuple) else (step, key)
@@ -124,15 +129,6 @@ def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
         Reaction(number): row.reaction for number, row in enumerate(supports)
     }
     return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
-
-
-def _preloads(records: Mapping[str, PreloadRecord]) -> dict[Hashable, QuantityValue]:
-    """Force and elongation of each."""
-    return {
-        OfPreload(name, quantity): record[quantity]
-        for name, record in records.items()
-        for quantity in OF_PRELOADS
-    }
 
 
 def known_quantities(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityValue]:

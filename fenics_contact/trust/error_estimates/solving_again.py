@@ -306,5 +306,5 @@ def restore(load_steps: LoadSteps) -> None:
     if load_steps.problem.far_field is not None:
         load_steps.problem.far_field.beyond[:] = 0.0
     load_steps.problem.disturbance = None
-    load_steps.problem.tightening[:] = 0.0
+    load_steps.problem.scalar_disturbance[:] = 0.0
     load_steps.go_back()

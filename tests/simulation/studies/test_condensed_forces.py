@@ -14,7 +14,7 @@ from fenics_contact import Study
 from fenics_contact.common.parallel import largest
 from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.rows_of_body import at_far_field, prescribed
+from fenics_contact.evaluate.rows_of_body import prescribed
 from fenics_contact.solve.systems.body_answer import BodyAnswer
 from fenics_contact.trust.checks.run_checks import all_checks
 from tests.simulation.studies.cases import CASES
@@ -40,19 +40,19 @@ def inside(study, position, scalars):
     """The fields of the body where contact dofs and scalars are given."""
     problem, body = study.run.problem, study._body.kept.condensed
     supported, load = prescribed(problem), 0.0
-    far = [u for u in problem.unknowns if u.column is not None]
-    for value, unknown in zip(scalars, far, strict=False):
-        supported += value * at_far_field(problem, unknown.column)
-    shortenings = problem.of_preloads(scalars)
+    motions = [u.motion for u in problem.unknowns if u.motion is not None]
+    for value, motion in zip(scalars, motions, strict=False):
+        supported += value * motion.of_all(supported.size).reshape(supported.shape)
+    own = list(zip(problem.of_body_scalars(scalars), problem.body_scalars, strict=True))
     load += body.stiffness.load(problem.load, supported, body.held)
-    for value, one, preload in zip(shortenings, body.preloads.loads, problem.preloads, strict=True):
+    for (value, scalar), one in zip(own, body.scalars.loads, strict=True):
         load += value * one
-        preload.set(float(value))
+        scalar.take(float(value))
     values = body.bulk.expand(load, position)
     body.stiffness.set_functions(values)
     internal = body.stiffness.forces(values)
-    for value, preload in zip(shortenings, problem.preloads, strict=True):
-        internal += value * preload.bulk.nodal
+    for value, scalar in own:
+        internal += value * scalar.forces_on_body.nodal
     displacement = problem.displacement.x.array.reshape(-1, problem.spaces.components)
     return BodyAnswer(displacement.copy(), internal, body.stiffness.round_off(values))
 
@@ -61,9 +61,9 @@ def both(study, solution, position, scalars):
     """What is needed in a state, from its fields and without them."""
     problem = study.run.problem
     found = inside(study, position, scalars)
-    states = problem.preload_states(found.displacement) if problem.preloads else ()
-    whole = dataclasses.replace(solution, find_body=lambda: found, preloads=states)
-    given = dataclasses.replace(solution, find_body=None, preloads=states)
+    states = problem.scalar_states(found.displacement) if problem.body_scalars else ()
+    whole = dataclasses.replace(solution, find_body=lambda: found, scalars=states)
+    given = dataclasses.replace(solution, find_body=None, scalars=states)
     body = study._body.kept.condensed
     return BulkForces(problem, whole), CondensedForces(problem, given, body, position, scalars)
 
@@ -90,7 +90,7 @@ def test_numbers_of_any_state(name):
     close(ours.of_all_supports, theirs.of_all_supports, force)
     close(ours.strain_energy, theirs.strain_energy, energy)
     close(ours.given_work, theirs.given_work, energy)
-    for one, other in zip(ours.preload_states(), theirs.preload_states(), strict=True):
+    for one, other in zip(ours.scalar_states(), theirs.scalar_states(), strict=True):
         close(one.force, other.force, force)
     for name_, value in theirs.at_points().items():
         close(ours.at_points()[name_], value, largest(COMM, np.abs(theirs.displacement)))

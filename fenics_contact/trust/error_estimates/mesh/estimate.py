@@ -47,7 +47,7 @@ from fenics_contact.quantities.names import (
     STRAIN_ENERGY,
 )
 from fenics_contact.scene.loading.load_paths import cycles_of
-from fenics_contact.scene.quantity_names import LossOfCycle, OfPreload, Reaction
+from fenics_contact.scene.quantity_names import LossOfCycle, Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.held_back import TOO_STIFF, HeldBack
@@ -242,16 +242,16 @@ def _changes(
     last = drawn_forces(local, _DRAWS)
     every = followed.every([forces for forces, _ in last])
     load_steps.newton.system.foresee([forces for rows in every for forces in rows])
-    for number, (forces, (_, along)) in enumerate(zip(every, last, strict=True)):
-        disturb = partial(_disturb, followed.along(forces), along, load_steps.time)
+    for number, (forces, (_, on_scalars)) in enumerate(zip(every, last, strict=True)):
+        disturb = partial(_disturb, followed.along(forces), on_scalars, load_steps.time)
         way = drawn if number else again
         change = differences(way.answer, way.changed(disturb, None if number else held.look))
         if change is None:
             return None
-        for preload, more in zip(load_steps.problem.preloads, along, strict=True):
-            key = OfPreload(preload.scene.label, "force")
-            # One that is tightened to a force has it: what the errors add was taken off.
-            change[key] = change[key] + abs(float(more)) if preload.is_locked else 0.0
+        for scalar, more in zip(load_steps.problem.body_scalars, on_scalars, strict=True):
+            if (key := scalar.key_of_force) is not None:
+                # One whose force is given has it: what the errors add was taken off.
+                change[key] = change[key] + abs(float(more)) if scalar.is_locked else 0.0
         found.append(change)
     whole, *draws = found
     known = [key for key in whole if all(key in change for change in draws)]
@@ -261,13 +261,13 @@ def _changes(
     return {key: whole[key] for key in known}, at_random
 
 
-def _disturb(forces: Disturbance, along: Array, last: float, problem: Problem) -> None:
+def _disturb(forces: Disturbance, on_scalars: Array, last: float, problem: Problem) -> None:
     """Add nodal forces, as they follow the loads; collective.
 
-    Preloads are tightened by so much less as errors add to their forces.
+    Forces given on the body's scalars are so much less as errors add to them.
     """
     problem.disturbance = forces
-    problem.tightening = -along / last
+    problem.scalar_disturbance = -on_scalars / last
     problem.set_time(last)
 
 

@@ -23,7 +23,7 @@ from fenics_contact.trust.error_estimates.solving_again import Again
 # Of pseudo-times that are the same.
 _SAME = 1e-9
 
-# Nodal forces of each draw of signs, and what the errors add along preloads.
+# Nodal forces of each draw of signs, and what the errors add on the body's scalars.
 Drawn = list[tuple[Array, Array]]
 
 

@@ -18,7 +18,6 @@ from dolfinx import fem, la
 from numpy.typing import NDArray
 
 from fenics_contact.body.forms import CompiledForm, Expr
-from fenics_contact.body.parts.preloaded_part import PreloadedPart
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
@@ -80,8 +79,9 @@ class LocalErrors:
             self._error,
             self._error_stress(),
         )
-        self._along_parts = [
-            form_cache.form(self._force_along(preload.bulk.part)) for preload in problem.preloads
+        error_stress = self._error_stress()
+        self._on_scalars = [
+            form_cache.form(scalar.force_of(error_stress)) for scalar in problem.body_scalars
         ]
         self._work = [self._work_on(trace) for _, trace in self._traces()]
         self._response_on_contacts = self._contact_response(test)
@@ -169,23 +169,17 @@ class LocalErrors:
                 is then that of errors of their size, though as they are they may cancel.
 
         Returns:
-            Nodal forces, (nodes, components); and what the errors add to the forces along preloaded
-            parts, (preloads,) (force).
+            Nodal forces, (nodes, components); and what the errors add to the forces on the body's
+            scalars, (body_scalars,) (force).
         """
         spaces = self._problem.spaces
         if draw is not None:
             self._set_error(self._signs(draw))
         found = spaces.assemble(self._response) + spaces.assemble(self._response_on_contacts)
-        own = [fem.assemble_scalar(form) for form in self._along_parts]
-        along = np.asarray(total(self._problem.comm, np.array(own, dtype=np.float64)))
+        own = [fem.assemble_scalar(form) for form in self._on_scalars]
+        on_scalars = np.asarray(total(self._problem.comm, np.array(own, dtype=np.float64)))
         self._set_error(np.ones(self._cells))
-        return found, along
-
-    def _force_along(self, part: PreloadedPart) -> Expr:
-        """What the errors add to the force along a preloaded part, (1/l) ∫ a · σ a."""
-        strain = -part.stressless_strain(ufl.as_ufl(1.0))
-        weight = self._problem.spaces.weight
-        return weight * ufl.inner(self._error_stress(), strain) * part.measure
+        return found, on_scalars
 
     def _error_stress(self) -> Expr:
         """What the errors are in stress, (3, 3)."""

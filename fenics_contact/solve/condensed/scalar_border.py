@@ -1,9 +1,10 @@
-"""Preloads beside the condensed problem: one more row and column for each.
+"""Scalars of the body's energy beside the condensed problem: one more row and column for each.
 
-The shortening q of a preloaded part puts forces into the bulk, which are condensed once, as those
-of a load. Its row is the force along the part, N = Cᵀ y + D q + N₀, with N₀ by loads and supports
-alone. As the energy has these second derivatives, row and column are the same; D is what the bulk
-leaves of the parts' own stiffness when the contact dofs are held.
+Such a scalar q, as the shortening of a preloaded part, puts forces into the bulk, which are
+condensed once, as those of a load. Its row is the force ∂W/∂q that does work on it,
+N = Cᵀ y + D q + N₀, with N₀ by loads and supports alone. As the energy has these second
+derivatives, row and column are the same; D is what the bulk leaves of ∂²W/∂q² when the contact dofs
+are held.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.linalg import lapack
 
-from fenics_contact.body.parts.preloaded_part import PreloadForces
+from fenics_contact.body.scalar_forces import ScalarForces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
@@ -21,16 +22,16 @@ from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 
 
-class CondensedPreloads:
-    """What shortenings do to the bulk, and the bulk to the forces along the parts; collective.
+class CondensedScalars:
+    """What scalars of the body's energy do to the bulk, and the bulk to them; collective.
 
     Attributes:
-        loads: Of each, this rank's share of the forces on its unknowns (force/length).
-        condensed: The same on the contact dofs, on rank 0 (force/length).
-        corner: D, (preloads, preloads) (force/length).
+        loads: This rank's share of the forces of a unit of each on its unknowns (force/length).
+        condensed: These forces condensed onto the contact dofs, on rank 0 (force/length).
+        corner: D, (scalars, scalars) (force/length).
 
     Args:
-        forces: What the shortening of each part does to the body.
+        forces: What a unit of each scalar does to the body.
         stiffness: Of this rank's cells.
         bulk: Condensed.
         held: Which of this rank's unknowns supports hold.
@@ -38,7 +39,7 @@ class CondensedPreloads:
 
     def __init__(
         self,
-        forces: Sequence[PreloadForces],
+        forces: Sequence[ScalarForces],
         stiffness: LocalStiffness,
         bulk: CondensedBulk,
         held: Flags,
@@ -54,20 +55,20 @@ class CondensedPreloads:
         own = np.diag([one.stiffness for one in forces]).reshape(len(forces), len(forces))
         self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T)) + own
 
-    def border(self, variables: ContactVariables, size: int) -> PreloadBorder:
-        """Rows and columns of the preloads, on rank 0.
+    def border(self, variables: ContactVariables, size: int) -> ScalarBorder:
+        """Rows and columns of the scalars, on rank 0.
 
         Args:
             variables: What stands for the contact dofs, first among the unknowns.
-            size: Number of unknowns beside the shortenings.
+            size: Number of unknowns beside these scalars.
         """
         columns = np.zeros((size, len(self.condensed)))
         for number, forces in enumerate(self.condensed):
             columns[: variables.count, number] = -variables.forces(forces)
-        return PreloadBorder(columns, self.corner)
+        return ScalarBorder(columns, self.corner)
 
     def from_loads(self, load: Array, supported: Array) -> Array:
-        """N₀, (preloads,) (force); collective.
+        """N₀, (scalars,) (force); collective.
 
         Args:
             load: This rank's share of the loads, with what displacements of supports add.
@@ -80,14 +81,14 @@ class CondensedPreloads:
         return np.asarray(total(self._comm, shares - by_loads))
 
 
-class PreloadBorder:
-    """[[M, C], [Cᵀ, D]] by M⁻¹, with unit rows for preloads that are held.
+class ScalarBorder:
+    """[[M, C], [Cᵀ, D]] by M⁻¹, with unit rows for scalars that are held.
 
-    M is what the contacts make of the condensed bulk with all shortenings held. So it can be
-    solved wherever the whole can.
+    M is the tangent of the condensed bulk and the contacts with all these scalars held. So it can
+    be solved wherever the whole can.
 
     Args:
-        columns: C, (unknowns of M, preloads).
+        columns: C, (unknowns of M, scalars).
         corner: D.
     """
 
@@ -97,13 +98,13 @@ class PreloadBorder:
         self._held = np.zeros(len(corner), dtype=bool)
 
     @classmethod
-    def empty(cls, size: int) -> PreloadBorder:
-        """Of no preloads, around a matrix of a size."""
+    def empty(cls, size: int) -> ScalarBorder:
+        """One of no scalars, around a matrix of a size."""
         return cls(np.zeros((size, 0)), np.zeros((0, 0)))
 
     @property
     def count(self) -> int:
-        """Number of preloads."""
+        """Number of scalars."""
         return len(self._corner)
 
     def forget(self) -> None:
@@ -111,25 +112,23 @@ class PreloadBorder:
         self._solved = None
 
     def hold(self, held: Flags) -> None:
-        """Say which preloads are held, (preloads,)."""
+        """Say which scalars are held, (scalars,)."""
         self._held = held
 
-    def times(self, inner: Array, shortenings: Array) -> tuple[Array, Array]:
+    def times(self, inner: Array, scalars: Array) -> tuple[Array, Array]:
         """C q, and Cᵀ y + D q.
 
         Args:
             inner: y.
-            shortenings: q.
+            scalars: q.
         """
-        own = self._columns.T @ inner + self._corner @ shortenings
-        return self._columns @ shortenings, own
+        own = self._columns.T @ inner + self._corner @ scalars
+        return self._columns @ scalars, own
 
-    def magnitude(self, inner: Array, shortenings: Array) -> float:
-        """The same with all entries positive, summed up over all rows."""
+    def magnitude(self, inner: Array, scalars: Array) -> float:
+        """Sum over all rows of ``times`` with the absolute values of all entries."""
         columns, corner = np.abs(self._columns), np.abs(self._corner)
-        return float(
-            (columns @ shortenings).sum() + (columns.T @ inner + corner @ shortenings).sum()
-        )
+        return float((columns @ scalars).sum() + (columns.T @ inner + corner @ scalars).sum())
 
     def solve(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
         """Of the whole; not a number where it is singular.
@@ -155,7 +154,7 @@ class PreloadBorder:
 
     @property
     def _own_rows(self) -> tuple[Array, Array]:
-        """Cᵀ and D with unit rows for preloads that are held."""
+        """Cᵀ and D with unit rows for scalars that are held."""
         unit = np.diag(self._corner.diagonal())
         held = self._held[:, None]
         return np.where(held, 0.0, self._columns.T), np.where(held, unit, self._corner)
@@ -178,5 +177,5 @@ def _eliminated(
     factor, pivots, singular = lapack.dgetrf(corner - rows @ solved)
     if singular:
         return np.full(len(right), np.nan)
-    shortenings, _ = lapack.dgetrs(factor, pivots, right[size:] - rows @ inner)
-    return np.concatenate([inner - solved @ shortenings, shortenings])
+    scalars, _ = lapack.dgetrs(factor, pivots, right[size:] - rows @ inner)
+    return np.concatenate([inner - solved @ scalars, scalars])

@@ -1,0 +1,24 @@
+"""The kinds of scalar unknowns, each with what finds those of a problem: a line for a new one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from fenics_contact.problem.scalars.body_scalar import BodyScalar
+from fenics_contact.problem.scalars.indentation import indentations
+from fenics_contact.problem.scalars.resultant import resultants
+from fenics_contact.problem.scalars.scalar import ScalarUnknown
+from fenics_contact.problem.scalars.shortening import shortenings
+
+if TYPE_CHECKING:
+    from fenics_contact.problem.problem import Problem
+
+#: Each returns the scalar unknowns of a kind of a problem whose contacts and far field are known.
+KINDS: list[Callable[[Problem], list[ScalarUnknown]]] = [indentations, resultants, shortenings]
+
+
+def scalars_of(problem: Problem) -> list[ScalarUnknown]:
+    """All scalar unknowns of a problem, those of the body last; collective."""
+    found = [scalar for kind in KINDS for scalar in kind(problem)]
+    return sorted(found, key=lambda scalar: isinstance(scalar, BodyScalar))
