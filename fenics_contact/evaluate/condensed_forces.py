@@ -47,18 +47,18 @@ class CondensedForces(NeededForces):
         self._body, self._rows = body, RowsOfBody(problem, body)
         self._scalars = problem.of_body_scalars(scalars)
         moving = [
-            (float(value), unknown.motion)
+            (float(value), unknown.prescribes)
             for value, unknown in zip(scalars, problem.unknowns, strict=True)
-            if unknown.motion is not None
+            if unknown.prescribes is not None
         ]
         self._moving = np.array([value for value, _ in moving])
-        self._motions = [
-            motion.of_all(problem.load.size).reshape(problem.load.shape) for _, motion in moving
+        self._columns = [
+            given.of_all(problem.load.size).reshape(problem.load.shape) for _, given in moving
         ]
         self._prescribed = prescribed(problem)
         self._displacement = body.dofs.placed(position).reshape(problem.load.shape)
         self._displacement += self._prescribed
-        for value, column in zip(self._moving, self._motions, strict=True):
+        for value, column in zip(self._moving, self._columns, strict=True):
             self._displacement += value * column
         stiffness = body.stiffness
         self._load = stiffness.share(self.load)
@@ -76,12 +76,12 @@ class CondensedForces(NeededForces):
 
     @cached_property
     def _of_given(self) -> tuple[Array, Array]:
-        """Work of the loads, of reactions on displacements of supports, and on each motion.
+        """Work of the loads, of reactions on displacements of supports, and on those of scalars.
 
         And what each of these and of the body's scalars does to the free contact dofs, (…, dofs).
         """
         given = self._body.rows.given
-        shares = given.shares(self._rows.given([self._load], [self._prescribed, *self._motions]))
+        shares = given.shares(self._rows.given([self._load], [self._prescribed, *self._columns]))
         return given.values(shares, self._state), given.of_contacts(shares)
 
     @cached_property
@@ -185,7 +185,7 @@ class CondensedForces(NeededForces):
             return 0.5 * float(works[0]), 0.5 * (self.given_work - float(works[0]))
         assert isinstance(before, CondensedForces)
         given = self._body.rows.given
-        held = [self._prescribed, *self._motions, before._prescribed, *before._motions]
+        held = [self._prescribed, *self._columns, before._prescribed, *before._columns]
         shares = given.shares(self._rows.given([self._load, before._load], held))
         now, then = (given.values(shares, one._state) for one in (self, before))
         loads = 0.5 * float((now - then)[:2].sum())

@@ -63,8 +63,8 @@ class RowsOfBody:
         for number in range(len(problem.contacts)):
             self.stress(number, state, none)
             self.across(number, state)
-        motions = [unknown.motion for unknown in problem.unknowns if unknown.motion is not None]
-        moved = [one.of_all(problem.load.size).reshape(problem.load.shape) for one in motions]
+        every = [u.prescribes for u in problem.unknowns if u.prescribes is not None]
+        moved = [one.of_all(problem.load.size).reshape(problem.load.shape) for one in every]
         load = self._body.stiffness.share(problem.load)
         rows.given.shares(self.given([load], [prescribed(problem), *moved]))
 

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fenics_contact.problem.scalars.scalar import ContactScalar, PrescribedMotion, ScalarUnknown
+from fenics_contact.problem.scalars.scalar import (
+    ContactScalar,
+    PrescribedDisplacement,
+    ScalarUnknown,
+)
 
 if TYPE_CHECKING:
     from fenics_contact.problem.problem import Problem
@@ -39,6 +43,6 @@ def resultants(problem: Problem) -> list[ScalarUnknown]:
         if contact.force is None:
             along.insert(0, (contact.kinematics.direction, far_field.columns[number]))
         for direction, column in along:
-            motion = PrescribedMotion(far_field.dofs, column)
-            found.append(Resultant(contact, direction, motion))
+            prescribes = PrescribedDisplacement(far_field.dofs, column)
+            found.append(Resultant(contact, direction, prescribes))
     return found

@@ -25,8 +25,8 @@ from fenics_contact.contact.contact_surface import ContactSurface
 
 
 @dataclass(frozen=True, eq=False)
-class PrescribedMotion:
-    """Displacements that a unit of a scalar unknown prescribes.
+class PrescribedDisplacement:
+    """Displacements that a unit of a scalar unknown prescribes, as on a boundary that it moves.
 
     Attributes:
         dofs: Constrained dofs that it moves, sorted (local indices, owned and ghost).
@@ -62,7 +62,7 @@ class ScalarUnknown(ABC):
     Attributes:
         contact: The contact whose force is in its equation; None for none.
         direction: Unit vector along which that force counts, (components,).
-        motion: Displacements that it prescribes; None for none.
+        prescribes: Displacements that it prescribes; None for none.
         own: Factor of the scalar itself in its equation.
         pushes: Factor of the contact's force along the direction in its equation.
         drives: Whether it is the indentation of the contact's obstacle.
@@ -70,7 +70,7 @@ class ScalarUnknown(ABC):
 
     contact: ContactSurface | None = None
     direction: Array = np.zeros(0)
-    motion: PrescribedMotion | None = None
+    prescribes: PrescribedDisplacement | None = None
     own: float = 0.0
     pushes: ClassVar[float] = 0.0
     drives: ClassVar[bool] = False
@@ -132,7 +132,7 @@ class ContactScalar(ScalarUnknown):
     Args:
         contact: The contact.
         direction: Unit vector along which its force counts, (components,).
-        motion: Displacements that the scalar prescribes; None for none.
+        prescribes: Displacements that the scalar prescribes; None for none.
 
     Attributes:
         kind: What it is, for results.
@@ -142,9 +142,12 @@ class ContactScalar(ScalarUnknown):
     kind: ClassVar[str]
 
     def __init__(
-        self, contact: ContactSurface, direction: Array, motion: PrescribedMotion | None = None
+        self,
+        contact: ContactSurface,
+        direction: Array,
+        prescribes: PrescribedDisplacement | None = None,
     ) -> None:
-        self.contact, self.direction, self.motion = contact, direction, motion
+        self.contact, self.direction, self.prescribes = contact, direction, prescribes
 
     @property
     def name(self) -> str:

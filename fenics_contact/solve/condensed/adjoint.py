@@ -163,9 +163,10 @@ class CondensedAdjoint:
         left, dofs = free.left.reshape(-1), self.body.dofs
         found[:count] = self.variables.forces(dofs.gathered(left)[dofs.is_free])
         owned = problem.spaces.owned_nodes * problem.spaces.components
-        motions = [None if u.motion is None else u.motion.owned(owned) for u in problem.unknowns]
-        if any(motion is not None for motion in motions):
-            moved = [0.0 if one is None else float(one[1] @ left[one[0]]) for one in motions]
+        given = [unknown.prescribes for unknown in problem.unknowns]
+        every = [None if one is None else one.owned(owned) for one in given]
+        if any(one is not None for one in every):
+            moved = [0.0 if one is None else float(one[1] @ left[one[0]]) for one in every]
             found[count:] = total(problem.comm, np.array(moved))
         found[len(found) - len(free.on_scalars) :] -= free.on_scalars
         return found

@@ -19,7 +19,7 @@ from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.inertia.states import StepStiffness
-from fenics_contact.problem.scalars.scalar import PrescribedMotion, ScalarUnknown
+from fenics_contact.problem.scalars.scalar import PrescribedDisplacement, ScalarUnknown
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
@@ -32,9 +32,9 @@ from fenics_contact.solve.condensed.scalar_border import CondensedScalars
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
 
-# Motions that scalars prescribe and that are kept: an obstacle that moves along the surface of a
-# half-space makes others.
-_MOST_MOTIONS = 8
+# Displacements that scalars prescribe and that are kept: an obstacle that moves along the surface
+# of a half-space makes others.
+_MOST_KEPT = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ class CondensedBody:
         self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, bulk))
         self._of_schur: OfSchur | None = None
         self._of_jumps: tuple[list[Projection], OfSchur] | None = None
-        self._of_motions: list[tuple[Array, ScalarLoad]] = []
+        self._of_prescribed: list[tuple[Array, ScalarLoad]] = []
         self._given_up: tuple[OfSchur, ContactVariables] | None = None
 
     def with_bulk(self, bulk: CondensedBulk) -> CondensedBody:
@@ -149,23 +149,26 @@ class CondensedBody:
         """
         forces = unknown.forces_on_body
         if forces is None:
-            return self._load_of_motion(unknown.motion)
+            return self._load_of_prescribed(unknown.prescribes)
         number = self.discrete.elastic.scalar_forces.index(forces)
         loads, condensed = self.scalars.loads, self.scalars.condensed
         return ScalarLoad(loads[number], np.zeros(len(self.dofs.numbers)), condensed[number])
 
-    def _load_of_motion(self, motion: PrescribedMotion | None) -> ScalarLoad:
+    def _load_of_prescribed(self, given: PrescribedDisplacement | None) -> ScalarLoad:
         """That of displacements that a scalar prescribes, or of none; collective."""
         size = len(self.dofs.constrained)
-        column = None if motion is None else motion.displacement
-        found = next((load for known, load in self._of_motions if known is column), None)
+        column = None if given is None else given.displacement
+        found = next((load for known, load in self._of_prescribed if known is column), None)
         if found is None:
-            displacements = np.zeros(size) if motion is None else motion.of_all(size)
+            displacements = np.zeros(size) if given is None else given.of_all(size)
             nodal = displacements.reshape(-1, self.discrete.spaces.components)
             load = self.stiffness.load(np.zeros_like(nodal), nodal, self.held)
             found = ScalarLoad(load, self.dofs.gathered(displacements), self.loads.condense(load))
             if column is not None:
-                self._of_motions = [*self._of_motions[-_MOST_MOTIONS + 1 :], (column, found)]
+                self._of_prescribed = [
+                    *self._of_prescribed[-_MOST_KEPT + 1 :],
+                    (column, found),
+                ]
         return found
 
     def foresee(self, loads: Sequence[Array]) -> None:

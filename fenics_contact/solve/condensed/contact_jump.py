@@ -25,7 +25,7 @@ class ContactJump:
         surface: Tangent in the jump.
         relative: What scalars make of the displacement relative to a body opposite, (rows,
             scalars): B without an obstacle's motion.
-        motion: B of the scalars: an obstacle's motion, the far field of resultants.
+        motion: B of the scalars: an obstacle's motion, displacements that they prescribe.
         work: L of the scalars: rows of the balance that its forces enter, Lᵀ: as B, without the
             far field, and its direction for a resultant.
         rows: Those that have an unknown of their own, increasing.
@@ -64,7 +64,7 @@ class ContactJump:
         rows, count = len(surface.dofs), sizes[0]
         relative, motion, work = np.zeros((3, rows, len(unknowns)))
         for column, unknown in enumerate(unknowns):
-            if unknown.motion is not None:
+            if unknown.prescribes is not None:
                 motion[:, column] = relative[:, column] = far[column]
             if unknown.contact is surface.contact:
                 direction = np.resize(unknown.direction, rows)

@@ -90,14 +90,14 @@ class ContactMatrix(AddedTangents):
             if surface in self._between:
                 self._between[surface].linearise(found[2])
             self._add_borders(self.matrix, surface, motions, found)
-        self.add_motions(self.matrix)
+        self.add_prescribed(self.matrix)
         self.add_forces(self.matrix)
         self.matrix.assemble()
         self.matrix.zeroRowsColumns(self._constrained, diag=0.0)
         if self._problem.body_scalars:
             self._hold_scalars()
-        if any(unknown.motion is not None for unknown in self._unknowns):
-            self.tie_motions(self.matrix)
+        if any(unknown.prescribes is not None for unknown in self._unknowns):
+            self.tie_prescribed(self.matrix)
             self._scale_ties()
 
     def _hold_scalars(self) -> None:

@@ -293,8 +293,8 @@ class IterativeSystem(BodySystem):
         values = np.zeros(self._owned_size)
         scalars = self.scalar_values(change)
         for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
-            if unknown.motion is not None:
-                dofs, moved = unknown.motion.owned(self._owned_size)
+            if unknown.prescribes is not None:
+                dofs, moved = unknown.prescribes.owned(self._owned_size)
                 values[dofs] += value * moved
         held = self.held
         with change as array:

@@ -44,7 +44,7 @@ class AddedTangents:
         self.surfaces = [SurfaceMatrix(contact) for contact in problem.contacts]
         self._first = displacement.getOwnershipRange()[0]
         self._column_of: Callable[[Integers], Integers] | None = None
-        self._motion_forces = [self._forces_of_motion(displacement, u) for u in self._unknowns]
+        self._prescribed_forces = [self._prescribed_force(displacement, u) for u in self._unknowns]
         self._motions = [[self._motion(s, u) for u in self._unknowns] for s in self.surfaces]
 
     def _place(self, displacement: PETSc.Mat, layout: PETSc.Mat) -> None:
@@ -67,19 +67,19 @@ class AddedTangents:
             if surface.contact is unknown.contact or motions[number].any():
                 inside = (surface.dofs >= first) & (surface.dofs < first + self._owned)
                 coupled = np.union1d(coupled, surface.dofs[inside] - first)
-        if unknown.motion is not None:
-            coupled = np.union1d(coupled, unknown.motion.owned(self._owned)[0])
+        if unknown.prescribes is not None:
+            coupled = np.union1d(coupled, unknown.prescribes.owned(self._owned)[0])
         if unknown.forces_on_body is not None:
             own = unknown.forces_on_body.nodal.reshape(-1)[: self._owned]
             coupled = np.union1d(coupled, np.flatnonzero(own))
-        return np.union1d(coupled, np.flatnonzero(self._motion_forces[number]))
+        return np.union1d(coupled, np.flatnonzero(self._prescribed_forces[number]))
 
-    def _forces_of_motion(self, displacement: PETSc.Mat, unknown: ScalarUnknown) -> Array:
+    def _prescribed_force(self, displacement: PETSc.Mat, unknown: ScalarUnknown) -> Array:
         """K u and −u of the displacements u that a unit of a scalar prescribes, owned dofs."""
         result = np.zeros(self._owned)
-        if unknown.motion is None:
+        if unknown.prescribes is None:
             return result
-        dofs, values = unknown.motion.owned(self._owned)
+        dofs, values = unknown.prescribes.owned(self._owned)
         moved, forces = displacement.createVecs()
         with moved as array:
             array[dofs] = values
@@ -125,8 +125,8 @@ class AddedTangents:
     def _motion(self, surface: SurfaceMatrix, unknown: ScalarUnknown) -> Array:
         """Of the jump over a scalar unknown, at all dofs of a surface; collective."""
         motion = np.zeros(len(surface.dofs))
-        if unknown.motion is not None:
-            dofs, values = unknown.motion.owned(self._owned)
+        if unknown.prescribes is not None:
+            dofs, values = unknown.prescribes.owned(self._owned)
             numbers = self._first + dofs
             shared = np.isin(numbers, surface.dofs)
             comm = self._problem.comm
@@ -190,31 +190,31 @@ class AddedTangents:
         rows = [self._scalar_row(tangent, i) for i in held if self._problem.comm.rank == 0]
         return np.array(rows, dtype=PETSc.IntType)
 
-    def add_motions(self, tangent: PETSc.Mat) -> None:
+    def add_prescribed(self, tangent: PETSc.Mat) -> None:
         """Add each scalar's own factor, and what it does by prescribed displacements; collective.
 
         Before the constrained rows are cleared, the forces on free dofs; the rows of the
-        displacements themselves are set by ``tie_motions``.
+        displacements themselves are set by ``tie_prescribed``.
         """
         add = PETSc.InsertMode.ADD_VALUES
         for number, unknown in enumerate(self._unknowns):
             scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
             if unknown.own and self._problem.comm.rank == 0:
                 tangent.setValues(scalar, scalar, [unknown.own], addv=add)
-            if unknown.motion is not None:
-                forces = self._motion_forces[number]
+            if unknown.prescribes is not None:
+                forces = self._prescribed_forces[number]
                 dofs = np.flatnonzero(forces)
                 tangent.setValues(self._rows(tangent, dofs), scalar, forces[dofs], addv=add)
 
-    def tie_motions(self, tangent: PETSc.Mat) -> None:
+    def tie_prescribed(self, tangent: PETSc.Mat) -> None:
         """Set the rows u − U q = 0 of prescribed displacements, after all were cleared.
 
         Collective.
         """
         for number, unknown in enumerate(self._unknowns):
-            if unknown.motion is None:
+            if unknown.prescribes is None:
                 continue
-            dofs, values = unknown.motion.owned(self._owned)
+            dofs, values = unknown.prescribes.owned(self._owned)
             scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
             tangent.setValues(self._rows(tangent, dofs), scalar, -values)
         tangent.assemble()

@@ -28,7 +28,7 @@ class LinearSystem(AddedTangents):
         displacement = assembled(problem.elastic.stiffness)
         super().__init__(problem, displacement)
         self._mixed = problem.elastic.mixed
-        self._motion_volumes: list[Array] = []
+        self._prescribed_volumes: list[Array] = []
         displacement = self._with_neighbours(self._with_opposites(displacement))
         if self._mixed is None and self.scalars == 0:
             self.stiffness = displacement
@@ -37,7 +37,9 @@ class LinearSystem(AddedTangents):
         if self._mixed is not None:
             blocks = self._with_mean_stress(displacement)
             divergence = blocks[1][0]
-            self._motion_volumes = [self._volume_of_motion(divergence, u) for u in self._unknowns]
+            self._prescribed_volumes = [
+                self._prescribed_volume(divergence, u) for u in self._unknowns
+            ]
         if self.scalars:
             blocks = self._with_scalars(blocks, displacement)
         nested = PETSc.Mat().createNest(blocks, comm=problem.comm)
@@ -117,7 +119,7 @@ class LinearSystem(AddedTangents):
 
     def _coupled_stresses(self) -> list[Integers]:
         """Owned dofs of the mean stress that each scalar is coupled with."""
-        found = [np.flatnonzero(volume) for volume in self._motion_volumes]
+        found = [np.flatnonzero(volume) for volume in self._prescribed_volumes]
         for number, unknown in enumerate(self._unknowns):
             if (forces := unknown.forces_on_body) is not None:
                 own = forces.on_mean_stress[: forces.owned_stresses]
@@ -160,11 +162,11 @@ class LinearSystem(AddedTangents):
         columns.assemble()
         return columns
 
-    def _volume_of_motion(self, divergence: PETSc.Mat, unknown: ScalarUnknown) -> Array:
+    def _prescribed_volume(self, divergence: PETSc.Mat, unknown: ScalarUnknown) -> Array:
         """What displacements that a scalar prescribes add to owned rows of the mean stress."""
         moved, volumes = divergence.createVecs()
-        if unknown.motion is not None:
-            dofs, values = unknown.motion.owned(self._owned)
+        if unknown.prescribes is not None:
+            dofs, values = unknown.prescribes.owned(self._owned)
             with moved as array:
                 array[dofs] = values
         divergence.mult(moved, volumes)
@@ -173,11 +175,11 @@ class LinearSystem(AddedTangents):
         volumes.destroy()
         return found
 
-    def add_motions(self, tangent: PETSc.Mat) -> None:
+    def add_prescribed(self, tangent: PETSc.Mat) -> None:
         """Add what scalars do by prescribed displacements, to mean stresses too; collective."""
-        super().add_motions(tangent)
+        super().add_prescribed(tangent)
         add = PETSc.InsertMode.ADD_VALUES
-        for number, volume in enumerate(self._motion_volumes):
+        for number, volume in enumerate(self._prescribed_volumes):
             rows = np.flatnonzero(volume)
             scalar = np.array([self._scalar_row(tangent, number)], dtype=PETSc.IntType)
             places = self._rows(tangent, self._owned + rows)

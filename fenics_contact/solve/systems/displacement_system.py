@@ -65,9 +65,9 @@ class BodySystem(System):
         values = problem.prescribed.copy()
         scalars = self.scalar_values(self.state)
         for unknown, value in zip(problem.unknowns, scalars, strict=True):
-            if (motion := unknown.motion) is not None:
-                moved = np.isin(problem.constrained, motion.dofs)
-                values[moved] += value * motion.displacement
+            if (given := unknown.prescribes) is not None:
+                moved = np.isin(problem.constrained, given.dofs)
+                values[moved] += value * given.displacement
         with self.state as array:
             array[self.held] = values[problem.constrained < self._owned_size]
         self.hold_scalars()

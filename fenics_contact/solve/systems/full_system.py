@@ -62,7 +62,7 @@ class FullSystem(BodySystem):
         for contact in self.problem.contacts:
             contact.follow()
         self._system.add_contacts(tangent)
-        self._system.add_motions(tangent)
+        self._system.add_prescribed(tangent)
         if springs:
             for row, stiffness in zip(*self._sprung, strict=True):
                 tangent.setValue(row, row, springs * stiffness, addv=PETSc.InsertMode.ADD_VALUES)
@@ -71,7 +71,7 @@ class FullSystem(BodySystem):
         rows = (first + self.held).astype(PETSc.IntType)
         rows = np.concatenate([rows, self._system.held_rows(tangent)])
         tangent.zeroRowsColumns(rows, diag=1.0)
-        self._system.tie_motions(tangent)
+        self._system.tie_prescribed(tangent)
         self.factorisations += 1
 
     @cached_property

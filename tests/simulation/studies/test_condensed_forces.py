@@ -40,7 +40,7 @@ def inside(study, position, scalars):
     """The fields of the body where contact dofs and scalars are given."""
     problem, body = study.run.problem, study._body.kept.condensed
     supported, load = prescribed(problem), 0.0
-    motions = [u.motion for u in problem.unknowns if u.motion is not None]
+    motions = [u.prescribes for u in problem.unknowns if u.prescribes is not None]
     for value, motion in zip(scalars, motions, strict=False):
         supported += value * motion.of_all(supported.size).reshape(supported.shape)
     own = list(zip(problem.of_body_scalars(scalars), problem.body_scalars, strict=True))
