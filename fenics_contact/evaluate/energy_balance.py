@@ -18,7 +18,6 @@ from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.needed_forces import NeededForces
-from fenics_contact.problem.inertia.inertia import Inertia
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
     DAMPING_WORK,
@@ -37,8 +36,6 @@ from fenics_contact.solve.newton.solution import Solution
 _ROUND_OFF = 1e-9
 # Of the work done: what a contact may do to the balance besides what is known to be left open.
 _SHARE = 0.02
-# Of what is brought into a motion: beyond that, steps that leave more open have its energy wrong.
-_MOST_OPEN = 0.1
 
 _OF_OBSTACLES = ("pressures", "frictions", "motions")
 _SUMS = ("work", "done", "round_off", "left_open", "changed")
@@ -84,24 +81,19 @@ class EnergyBook:
         self.left_open = 0.0
         self.changed = False
         self._cycle: tuple[_Mark | None, _Mark | None] = None, None  # its begin and its end
-        shape = (len(problem.contacts), problem.spaces.components)
+        inertia = problem.inertia
+        first, motions = inertia.first, inertia.motions
         self._before: NeededForces | None = None
-        self._last: dict[str, Array] = {}
-        self._last |= {name: np.zeros(shape) for name in _OF_OBSTACLES}
-        self._last |= {"scalars": np.zeros((len(problem.body_scalars), 2))}
-        self._overlaps: list[Array | float] = [0.0] * len(problem.contacts)
-        self._first = 0.0
-        if problem.inertia is not None:
-            self._begin_moving(problem.inertia)
-
-    def _begin_moving(self, inertia: Inertia) -> None:
-        """Take what there is at time 0: energies, and what obstacles carry; collective."""
-        first, state = inertia.first, inertia.state
-        self._first = first.energy + inertia.kinetic_energy(state.velocity)
-        self._last |= {"pressures": first.pressures.copy(), "motions": state.motions.copy()}
-        self._overlaps = list(first.overlaps)
-        if first.scalars:
-            self._last["scalars"] = np.array(first.scalars)
+        self._last: dict[str, Array] = {
+            "pressures": first.pressures.copy(),
+            "frictions": np.zeros_like(motions),
+            "motions": motions.copy(),
+            "scalars": np.array(first.scalars or [(0.0, 0.0)] * len(problem.body_scalars)).reshape(
+                -1, 2
+            ),
+        }
+        self._overlaps: list[Array | float] = list(first.overlaps)
+        self._first = inertia.energy
 
     def count(self, forces: NeededForces) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
@@ -134,8 +126,7 @@ class EnergyBook:
         """Where nodes were at the end of the step before, (nodes, components) (length)."""
         if before is not None:
             return before.displacement
-        inertia = self._problem.inertia
-        return 0.0 if inertia is None else inertia.state.displacement
+        return self._problem.inertia.displacement
 
     def _work_of_obstacle(self, number: int, solution: Solution) -> float:
         """In a step, of what stands opposite; it becomes the last step's; collective."""
@@ -166,7 +157,7 @@ class EnergyBook:
         """∫ N dq of each of the body's scalars in a step; it becomes the last step's."""
         last = self._last["scalars"]
         rows = [(state.force, state.value) for state in solution.scalars]
-        now = np.array(rows).reshape(last.shape)
+        now = np.array(rows).reshape(-1, 2)
         self._last["scalars"] = now
         works = 0.5 * (last[:, 0] + now[:, 0]) * (now[:, 1] - last[:, 1])
         return [float(work) for work in works]
@@ -231,9 +222,7 @@ class EnergyBook:
         size = self._size
         if not self.applies or size == 0:
             return None
-        open_share = self.open_share
-        if self._problem.inertia is not None:  # what moves on with energy from nowhere is wrong
-            open_share = min(open_share, _MOST_OPEN)
+        open_share = min(self.open_share, self._problem.inertia.most_open)
         limit = _ROUND_OFF + self.round_off / size + open_share
         if self.changed:
             limit += _SHARE

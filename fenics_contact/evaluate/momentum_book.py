@@ -32,9 +32,7 @@ class MomentumBook:
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         shape = (len(problem.contacts), problem.spaces.components)
-        self.impulses, self._last = np.zeros(shape), np.zeros(shape)
-        if problem.inertia is not None:
-            self._last = problem.inertia.first.pressures.copy()
+        self.impulses, self._last = np.zeros(shape), problem.inertia.first.pressures.copy()
         self.worst, self.part = 0.0, 0
         self._accepted = 0.0
         self._largest = np.zeros(problem.spaces.parts.count)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from fenics_contact.common.arrays import Array
 from fenics_contact.evaluate.contact_resultants import resultant
 from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.inertia.moving import moving
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import DAMPING_WORK, KINETIC_ENERGY, MOMENTUM
 from fenics_contact.solve.load_steps.motion_steps import forces_of_step
@@ -25,8 +28,7 @@ class MovingForces(BulkForces):
 
     def __init__(self, problem: Problem, solution: Solution) -> None:
         super().__init__(problem, solution)
-        assert problem.inertia is not None
-        self.inertia, self.load = problem.inertia, problem.given_load
+        self.inertia, self.load = moving(problem.inertia), problem.given_load
         self._step = forces_of_step(problem, solution)
         self._unbalanced = self._step.needed - self.contacts
 
@@ -47,8 +49,11 @@ class MovingForces(BulkForces):
 
     def mean_forces(self) -> Array:
         """What acts on the nodes in the step, but for the bulk's own forces (force)."""
-        rubbed = self.contacts - self._step.pressed
-        return self.inertia.mean_forces(self.load, self._step, self.reactions, rubbed)
+        inertia, step = self.inertia, self._step
+        rubbed = self.contacts - step.pressed
+        pressed = inertia.state.pressed + step.pressed
+        given = 0.5 * (inertia.state.load + self.load + pressed - inertia.missing)
+        return given + self.reactions + rubbed - step.dragged
 
     def works_since(self, before: NeededForces | None) -> tuple[float, float]:
         """Of loads, by the trapezoidal rule, and of reactions, which are means (energy)."""
@@ -56,8 +61,17 @@ class MovingForces(BulkForces):
         moved = self.displacement - state.displacement
         acting = state.load + self.load - self.inertia.missing
         loads = 0.5 * self._summed(acting * moved)
-        kinks = self.inertia.work_of_kinks(self._step.velocity)
-        return loads, self._summed(self.reactions * moved) - kinks
+        return loads, self._summed(self.reactions * moved) - self._work_of_kinks()
+
+    def _work_of_kinks(self) -> float:
+        """What supports do less than their mean force times the way (energy); collective.
+
+        They take nodes along by the mean velocity of each step. So they change it between steps, at
+        once, by an impulse at the mean of the velocities before and after it.
+        """
+        jumped = self._step.velocity - self.inertia.state.velocity
+        change = np.where(self.problem.free, 0.0, jumped)
+        return 0.5 * self._summed(change * self.inertia.masses.times(change))
 
     def quantities(self) -> dict[str, Any]:
         """Of the whole model, beside those of statics; collective."""

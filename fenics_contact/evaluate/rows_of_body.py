@@ -99,7 +99,7 @@ class RowsOfBody:
 
     def _held(self, dofs: Integers, values: Array | float) -> Functional:
         """Σ of reactions at held dofs, times values."""
-        nodal = np.zeros(self._problem.load.size)
+        nodal: Array = np.zeros(self._problem.load.size)
         nodal[dofs] = values
         nodal = nodal.reshape(self._problem.load.shape)
         return Functional(held=self._body.stiffness.at_unknowns(nodal))

@@ -24,7 +24,8 @@ from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.drive import Disturbance, Drive
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.inertia.automatic_step import with_time_step
-from fenics_contact.problem.inertia.inertia import Inertia
+from fenics_contact.problem.inertia.inertia import AtRest, Inertia
+from fenics_contact.problem.inertia.moving import MovingInertia
 from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.scalars.body_scalar import BodyScalar, ScalarState
 from fenics_contact.problem.scalars.kinds import scalars_of
@@ -55,7 +56,7 @@ class Problem:
         own_arrays: What their laws keep of their own at the points, and results have.
         unknowns: Scalars that are found together with the displacements, those of the body last.
         body_scalars: Those of the body.
-        inertia: Masses, and what a step of motion begins from, where bodies move.
+        inertia: Masses, and what a step of motion begins from; of bodies at rest there are none.
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
         loads: Those of the scene that are not zero.
@@ -85,7 +86,6 @@ class Problem:
         self.body = self.spaces.body
         self.comm = self.spaces.comm
         self.disturbance: Disturbance | None = None
-        self.inertia: Inertia | None = None
         self.drive: Drive | None = None
         self._shares: list[float] | None = None  # of the loads, at the present time
         self.stabilisation: list[AppliedSupport] = []
@@ -98,6 +98,7 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
+            self.inertia: Inertia = AtRest(self.contacts, self.spaces)
             for contact in self.contacts if by_points else ():
                 contact.go_by_points()
             own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
@@ -185,13 +186,13 @@ class Problem:
             self.discrete.found["supports"] = found.again(self.scene)
         return found
 
-    def _place_masses(self) -> Inertia | None:
+    def _place_masses(self) -> Inertia:
         """Masses where bodies move, at time 0; collective."""
         scene = self.scene
         if scene.motion is None:
-            return None
+            return self.inertia
         body = scene.material, self.elastic, self.spaces
-        found = Inertia(scene.motion, *body, self.contacts, self.constrained)
+        found = MovingInertia(scene.motion, *body, self.contacts, self.constrained)
         self._loads = [
             (found.masses.with_masses(nodal) if load.acting.is_of_volume else nodal, path)
             for load, (nodal, path) in zip(self.loads, self._loads, strict=True)
@@ -256,8 +257,6 @@ class Problem:
     @property
     def applied(self) -> Array:
         """Sizes of the forces at the nodes that an imbalance is small against (force)."""
-        if self.inertia is None:
-            return np.abs(self.load)
         return self.inertia.applied(self.load, self.given_load)
 
     def stick_all(self) -> None:
@@ -275,11 +274,8 @@ class Problem:
                 self.given_load += more.at(now)
         for contact in self.contacts:
             contact.set_time(time)
-        if self.inertia is None:
-            self.load = self.given_load
-        else:
-            self.load = self.inertia.effective_load(self.given_load)
-            self.inertia.follow_velocities()
+        self.load = self.inertia.effective_load(self.given_load)
+        self.inertia.follow_velocities()
         for scalar, besides in zip(self.body_scalars, self.scalar_disturbance, strict=True):
             scalar.set_time(time, float(besides))
         self.prescribed = self.supports.at(time)

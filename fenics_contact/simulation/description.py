@@ -54,7 +54,7 @@ def model_of(
         stabilised_motions=list(free.stabilised),
         used_share_of_limit_load=free.used_share,
         symmetry=problem.discrete.held.symmetry,
-        time_step=None if problem.inertia is None else problem.inertia.size,
+        time_step=problem.inertia.size,
         free_modes=_free_modes(problem),
         bulk_factorisations=None if solution is None else solution.factorisations,
     )

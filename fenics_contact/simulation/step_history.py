@@ -101,7 +101,7 @@ class StepHistory(Generic[_Forces]):
     @property
     def sums(self) -> list[float]:
         """What has been summed up so far, of energies and of momenta, to be given to ``resume``."""
-        moves = self._problem.inertia is not None
+        moves = self._problem.inertia.moves
         return [*self.book.sums, *(self.momenta.sums if moves else [])]
 
     def resume(self, solution: Solution, sums: Sequence[float]) -> None:
@@ -114,7 +114,7 @@ class StepHistory(Generic[_Forces]):
         self._measure(solution)
         of_energies = len(self.book.sums)
         self.book.resume(sums[:of_energies], self.forces)
-        if self._problem.inertia is not None:
+        if self._problem.inertia.moves:
             self.momenta.resume(sums[of_energies:], self.by_contact)
         if self.stress is not None:
             self.stress.resume()

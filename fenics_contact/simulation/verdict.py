@@ -126,7 +126,7 @@ def slips_as_a_whole(problem: Problem, solution: Solution) -> str:
         problem: The model.
         solution: Of the last load step.
     """
-    if problem.inertia is not None:
+    if problem.inertia.moves:
         return ""
     shares = slip_shares(problem, solution.states)
     found = None if shares is None else shares.largest()
@@ -149,7 +149,7 @@ def asked_too_much(
     Returns:
         Nothing where friction can hold them, or where no step was done.
     """
-    if solution is None or reached is None or problem.inertia is not None:
+    if solution is None or reached is None or problem.inertia.moves:
         return ""
     problem.set_time(tried)
     shares = slip_shares(problem, solution.states)
@@ -172,7 +172,7 @@ def untouched(problem: Problem, solution: Solution, steps: Sequence[StepRecord] 
         steps: All of a motion, in which bodies that touched may have left each other.
     """
     left = set()
-    if problem.inertia is not None:
+    if problem.inertia.moves:
         rows = [row for step in steps for row in step.contacts]
         left = {row.name for row in rows if row.quantities.get(CONTACT_AREA, 0.0) > 0}
     touched = [

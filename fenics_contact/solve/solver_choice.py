@@ -80,9 +80,9 @@ def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
 def _that_would_do(problem: Problem, refused: SolverChoice, free: float) -> str:
     """Advice to take another solver, if one fits that is for the model; collective."""
     names: list[Name] = []
-    if problem.inertia is None and _suits_multigrid(problem) and not cannot_be_carried(problem):
+    if not problem.inertia.moves and _suits_multigrid(problem) and not cannot_be_carried(problem):
         names.append("iterative")
-    names += ["condensed"] if problem.inertia is not None else ["condensed", "full"]
+    names += ["condensed"] if problem.inertia.moves else ["condensed", "full"]
     for name in names:
         memory = memory_estimate(problem, name)
         if name != refused.name and memory <= free:
@@ -103,7 +103,7 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
     def choice(name: Name, reason: str) -> SolverChoice:
         return SolverChoice(name, reason, memory_estimate(problem, name))
 
-    if problem.inertia is not None:
+    if problem.inertia.moves:
         return choice("condensed", "one factorisation of the bulk for all steps of the motion")
     if not any(contact.terms for contact in problem.contacts):
         return choice("full", "nothing to iterate on")

@@ -70,7 +70,7 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
     last = problem.scene.load_steps.last
     rigid = RigidMotions(problem)
     motions = tuple(named_motions(problem, rigid))
-    if problem.inertia is not None:  # what loads do not hold, they move
+    if problem.inertia.moves:  # what loads do not hold, they move
         return FreeMotion(len(motions), 0.0, "none: bodies move", motions)
     _require_something(problem, rigid)
     earlier = [t for t in times_to_judge(problem.scene, problem.can_pair_anew) if t < last]

@@ -8,7 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import InputError
+from fenics_contact.scene.loading.motion import Motion
 
 _AT_NODES = ("displacement", "velocity", "internal", "load", "pressed")
 _SLIDING = "moving_sliding"
@@ -154,3 +157,23 @@ class StepForces:
     pressed: Array
     dragged: Array
     drag: Drag
+
+
+def first_velocity(motion: Motion, spaces: Spaces) -> Array:
+    """Velocity of the nodes at time 0, (nodes, components) (length/time).
+
+    Args:
+        motion: Of the scene.
+        spaces: Those of the body.
+
+    Raises:
+        InputError: A velocity is given to a group that is not there, or is no part of the body.
+    """
+    found = np.zeros((len(spaces.coordinates), spaces.components))
+    for name, velocity in motion.velocity.items():
+        key = f"motion.velocity.{name}"
+        group = spaces.body.group(name, key)
+        if group.dimension != spaces.body.dimension:
+            raise InputError(f"{key}: must be a part of the body, not a boundary")
+        found[spaces.nodes(group)] = velocity
+    return found

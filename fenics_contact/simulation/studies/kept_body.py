@@ -16,6 +16,7 @@ from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.inertia.massless import ContactMasses
 from fenics_contact.problem.inertia.modal_masses import FreeModes
+from fenics_contact.problem.inertia.moving import moving
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.saved_body import SavedBody
@@ -100,8 +101,7 @@ class KeptBody:
 
     def _moving(self, problem: Problem, number: int, timings: Timings) -> CondensedBody:
         """For a motion in modes, of which those that are known serve again; collective."""
-        body, inertia = self.in_statics(problem, timings), problem.inertia
-        assert inertia is not None
+        body, inertia = self.in_statics(problem, timings), moving(problem.inertia)
 
         def find(masses: ContactMasses, held: Flags) -> FreeModes:
             known = self._modes

@@ -74,7 +74,7 @@ class CondensedSystem(System):
             problem.constrained,
             acting_sides(problem),
             timings,
-            step=None if problem.inertia is None else problem.inertia.stiffness,
+            step=problem.inertia.stiffness,
         )
         self.stiffness, self.held = self.body.stiffness, self.body.held
         self.dofs = self.body.dofs

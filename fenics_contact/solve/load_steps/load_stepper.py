@@ -61,7 +61,7 @@ def stepping_on(
         stopped: As of ``Newton``.
         finds_body: As of ``LoadSteps``.
     """
-    kind = LoadSteps if system.problem.inertia is None else MotionSteps
+    kind = MotionSteps if system.problem.inertia.moves else LoadSteps
     try:
         yield kind(Newton(system.problem, system, timings, stopped), finds_body)
     finally:

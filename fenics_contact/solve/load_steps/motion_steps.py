@@ -11,7 +11,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.problem.inertia.inertia import Inertia
+from fenics_contact.problem.inertia.moving import MovingInertia, moving
 from fenics_contact.problem.inertia.states import MovingState, StepForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.coulomb.strategies import solve_step
@@ -31,9 +31,8 @@ class MotionSteps(LoadSteps):
     _began_at: MovingState | None = None  # of the last accepted step
 
     @property
-    def _inertia(self) -> Inertia:
-        assert self.problem.inertia is not None
-        return self.problem.inertia
+    def _inertia(self) -> MovingInertia:
+        return moving(self.problem.inertia)
 
     def _try(self, time: float) -> Solution:
         """Solve a step, from where bodies would be if nothing acted on them; collective."""
@@ -104,10 +103,9 @@ def forces_of_step(problem: Problem, solution: Solution) -> StepForces:
         problem: Of bodies that move.
         solution: Of the step.
     """
-    assert problem.inertia is not None
     pressed: Array = np.zeros_like(problem.load)
     for contact, force in zip(problem.contacts, solution.normal_force, strict=True):
         pressed += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
-    return problem.inertia.forces(
+    return moving(problem.inertia).forces(
         solution.displacement, solution.internal_force, problem.load, pressed
     )

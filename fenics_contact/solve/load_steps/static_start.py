@@ -13,6 +13,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.snapshot import recall, remember
 from fenics_contact.problem.drive import Drive
 from fenics_contact.problem.existence.condition import require_equilibrium
+from fenics_contact.problem.inertia.moving import moving
 from fenics_contact.problem.inertia.sliding import elastic_slip
 from fenics_contact.problem.inertia.states import FirstState
 from fenics_contact.problem.problem import Problem
@@ -58,8 +59,7 @@ def _at_rest(problem: Problem, timings: Timings) -> Problem:
 
 def _take(problem: Problem, rest: Problem, found: Solution) -> None:
     """Displacements, forces and what contacts remember, of the static answer; collective."""
-    inertia = problem.inertia
-    assert inertia is not None
+    inertia = moving(problem.inertia)
     elastic = tuple(elastic_slip(contact) for contact in rest.contacts)
     energy = _stored(rest, found)
     pressed: Array = np.zeros_like(problem.load)

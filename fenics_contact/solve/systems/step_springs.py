@@ -31,7 +31,7 @@ def free_motions(problem: Problem) -> list[Array]:
     Returns:
         Nodal displacements in each motion, (nodes, components).
     """
-    if problem.inertia is not None:
+    if problem.inertia.moves:
         return []
     motions = RigidMotions(problem)
     if motions.body_is_held:

@@ -187,7 +187,7 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     problem = load_steps.problem
     if problem.scene.solver.errors == "none" or load_steps.last is None:
         return ErrorBudget()
-    if problem.inertia is not None:
+    if problem.inertia.moves:
         return ErrorBudget(notes=[] if problem.scene.solver.errors == "all" else [_OF_MOTION])
     measure = Measured(load_steps)
     answer = measure(load_steps.last.solution)

@@ -147,7 +147,7 @@ def governed_by_depth(load_steps: LoadSteps) -> dict[int, Check]:
     shares = {one.number: one.governing for one in sunk}
     govern = [one for one in sunk if one.governing > LARGEST_UNSEEN]
     shares.update({one.number: 1.0 for one in govern})
-    known = [one for one in govern if one.is_beside and problem.inertia is None]
+    known = [one for one in govern if one.is_beside and not problem.inertia.moves]
     measure = _forces_of(problem)
     other = _narrowed(load_steps, measure, known) if known else None
     if other is not None:

@@ -72,7 +72,7 @@ def look_around(load_steps: LoadSteps) -> OtherAnswers:
         load_steps: At their end.
     """
     problem, system = load_steps.problem, load_steps.newton.system
-    if problem.inertia is not None:  # masses decide where bodies go
+    if problem.inertia.moves:  # masses decide where bodies go
         return OtherAnswers()
     limits: dict[str, tuple[float, float]] = {}
     for number, contact in enumerate(problem.contacts):
