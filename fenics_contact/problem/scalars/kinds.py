@@ -14,11 +14,27 @@ from fenics_contact.problem.scalars.shortening import shortenings
 if TYPE_CHECKING:
     from fenics_contact.problem.problem import Problem
 
-#: Each returns the scalar unknowns of a kind of a problem whose contacts and far field are known.
-KINDS: list[Callable[[Problem], list[ScalarUnknown]]] = [indentations, resultants, shortenings]
+    Kind = Callable[[Problem], list[ScalarUnknown]]
+
+# Each returns the scalar unknowns of a kind of a problem whose contacts and far field are known.
+_KINDS: list[Kind] = [indentations, resultants, shortenings]
+
+
+def register(kind: Kind) -> None:
+    """Make a kind known.
+
+    Args:
+        kind: Returns the scalar unknowns of the kind of a problem; collective.
+    """
+    _KINDS.append(kind)
+
+
+def unregister(kind: Kind) -> None:
+    """Take out a kind that was registered."""
+    _KINDS.remove(kind)
 
 
 def scalars_of(problem: Problem) -> list[ScalarUnknown]:
     """All scalar unknowns of a problem, those of the body last; collective."""
-    found = [scalar for kind in KINDS for scalar in kind(problem)]
+    found = [scalar for kind in _KINDS for scalar in kind(problem)]
     return sorted(found, key=lambda scalar: isinstance(scalar, BodyScalar))
