@@ -26,8 +26,8 @@ from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.forms import Expr
 from fenics_contact.body.materials import Elasticities
 from fenics_contact.body.parts.preloaded_part import PreloadedPart
+from fenics_contact.body.parts.scalar_forces import ScalarForces
 from fenics_contact.body.reference_moduli import Moduli
-from fenics_contact.body.scalar_forces import ScalarForces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from fenics_contact.body.forms import Expr
-from fenics_contact.body.scalar_forces import ScalarForces
+from fenics_contact.body.parts.scalar_forces import ScalarForces
 from fenics_contact.common.arrays import Array
 from fenics_contact.problem.scalars.scalar import ScalarUnknown
 from fenics_contact.results.records.contacts import ScalarRecord

@@ -19,7 +19,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fenics_contact.body.scalar_forces import ScalarForces
+from fenics_contact.body.parts.scalar_forces import ScalarForces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.contact_surface import ContactSurface
 

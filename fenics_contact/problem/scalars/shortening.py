@@ -12,7 +12,7 @@ import ufl
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.body.parts.preloaded_part import PreloadedPart
-from fenics_contact.body.scalar_forces import ScalarForces
+from fenics_contact.body.parts.scalar_forces import ScalarForces
 from fenics_contact.problem.scalars.body_scalar import BodyScalar, ScalarState
 from fenics_contact.problem.scalars.scalar import ScalarUnknown
 from fenics_contact.results.records.contacts import PreloadRecord
