@@ -98,13 +98,13 @@ class RigidObstacle:
     def _take_number(self, name: str, axis: int, value: complex) -> None:
         """Have another number; the arguments are those of ``with_number``."""
         if name in DIRECTIONS:
-            given = list(getattr(self._obstacle, name))
+            components, given = len(self.direction), list(getattr(self._obstacle, name))
             given[axis] = value
             turned: Any = _unit(given)
             setattr(self, "direction" if name == "direction" else f"_{name}", turned)
             if name == "normal" and self._obstacle.direction is None:
                 self.direction = turned
-            self.direction = self.direction[: len(self.direction)]
+            self.direction = self.direction[:components]
         elif name == "radius":
             self._radius = value  # type: ignore[assignment]
         else:
