@@ -173,7 +173,7 @@ class SpringLaw(NormalLaw):
 
     @abstractmethod
     def pressure_ufl(self, jump: Expr) -> Expr:
-        """The pressure of a jump in UFL, the part of ψ's derivatives across the surface (stress)."""
+        """The pressure of a jump in UFL: ψ's derivatives across the surface (stress)."""
 
     def set_gap(self, gap: Array) -> None:
         """Follow an obstacle that moves along the surface."""
