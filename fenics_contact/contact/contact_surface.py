@@ -97,7 +97,7 @@ class ContactSurface:
         self.paths = ContactPaths(contact, key, named.sticks)
         self.force = None if contact.obstacle is None else contact.obstacle.force
         if named.pushes_only:
-            self._bring_up(key)
+            self._move_to_first_contact(key)
         site = LawSite(contact, key, self.kinematics, self.scales, self.paths)
         self.penalty_parameter = named.penalty_parameter(site)
         self.parameters = named.parameters(contact)
@@ -122,12 +122,12 @@ class ContactSurface:
         obstacle = (self.contact.obstacle or Obstacle()) if law.has_counterpart else None
         return ObstacleKinematics(self.trace, obstacle, f"{key}.obstacle")
 
-    def _bring_up(self, key: str) -> None:
+    def _move_to_first_contact(self, key: str) -> None:
         """Leave out what no obstacle can press, and bring one that a force drives up to it."""
         self.kinematics.require_one_sided(key)
         self.kinematics.leave_out(self.supports.held_across)
         if self.force is not None:
-            self.kinematics.bring_up()
+            self.kinematics.move_to_first_contact()
 
     @property
     def friction_bound(self) -> Array:

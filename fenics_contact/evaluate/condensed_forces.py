@@ -12,7 +12,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root, total
-from fenics_contact.evaluate.needed_forces import Balances, NeededForces
+from fenics_contact.evaluate.internal_forces import Balances, InternalForces
 from fenics_contact.evaluate.rows_of_body import RowsOfBody, prescribed
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalars.body_scalar import ScalarState
@@ -22,7 +22,7 @@ from fenics_contact.solve.condensed.rows.row import GivenState
 from fenics_contact.solve.newton.solution import Solution
 
 
-class CondensedForces(NeededForces):
+class CondensedForces(InternalForces):
     """What the bulk needs, from what contacts and supports tell; collective, as all.
 
     Args:
@@ -178,7 +178,7 @@ class CondensedForces(NeededForces):
             for one, value, force in known
         )
 
-    def works_since(self, before: NeededForces | None) -> tuple[float, float]:
+    def works_since(self, before: InternalForces | None) -> tuple[float, float]:
         """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy)."""
         works, _ = self._of_given
         if before is None:

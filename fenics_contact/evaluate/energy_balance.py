@@ -17,7 +17,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
     DAMPING_WORK,
@@ -83,7 +83,7 @@ class EnergyBook:
         self._cycle: tuple[_Mark | None, _Mark | None] = None, None  # its begin and its end
         inertia = problem.inertia
         first, motions = inertia.first, inertia.motions
-        self._before: NeededForces | None = None
+        self._before: InternalForces | None = None
         self._last: dict[str, Array] = {
             "pressures": first.pressures.copy(),
             "frictions": np.zeros_like(motions),
@@ -95,7 +95,7 @@ class EnergyBook:
         self._overlaps: list[Array | float] = list(first.overlaps)
         self._first = inertia.energy
 
-    def count(self, forces: NeededForces) -> None:
+    def count(self, forces: InternalForces) -> None:
         """Count a step that was accepted, before slip is counted anew; collective.
 
         Args:
@@ -122,7 +122,7 @@ class EnergyBook:
             self.changed |= contact.last_step.left_open > 0
         self._before = forces
 
-    def _place_before(self, before: NeededForces | None) -> Array | float:
+    def _place_before(self, before: InternalForces | None) -> Array | float:
         """Where nodes were at the end of the step before, (nodes, components) (length)."""
         if before is not None:
             return before.displacement
@@ -167,7 +167,7 @@ class EnergyBook:
         """What has been summed up so far, to be given to ``resume``."""
         return [float(getattr(self, name)) for name in _SUMS]
 
-    def resume(self, sums: Sequence[float], forces: NeededForces) -> None:
+    def resume(self, sums: Sequence[float], forces: InternalForces) -> None:
         """Go on from the last load step of another run; collective.
 
         Args:

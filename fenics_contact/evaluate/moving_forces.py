@@ -8,7 +8,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.evaluate.contact_resultants import resultant
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.inertia.moving import moving
 from fenics_contact.problem.problem import Problem
@@ -55,7 +55,7 @@ class MovingForces(BulkForces):
         given = 0.5 * (inertia.state.load + self.load + pressed - inertia.missing)
         return given + self.reactions + rubbed - step.dragged
 
-    def works_since(self, before: NeededForces | None) -> tuple[float, float]:
+    def works_since(self, before: InternalForces | None) -> tuple[float, float]:
         """Of loads, by the trapezoidal rule, and of reactions, which are means (energy)."""
         state = self.inertia.state  # that the step began from
         moved = self.displacement - state.displacement

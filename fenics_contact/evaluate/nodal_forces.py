@@ -10,14 +10,14 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.contact_resultants import resultant
-from fenics_contact.evaluate.needed_forces import Balances, NeededForces, own_dofs
+from fenics_contact.evaluate.internal_forces import Balances, InternalForces, own_dofs
 from fenics_contact.evaluate.surface_stress import stress_on
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalars.body_scalar import ScalarState
 from fenics_contact.solve.newton.solution import Solution
 
 
-class BulkForces(NeededForces):
+class BulkForces(InternalForces):
     """What the bulk needs, from nodal values of the whole body; collective, as all."""
 
     tells_inside = True
@@ -123,7 +123,7 @@ class BulkForces(NeededForces):
         """The body's scalars, with the forces on them that follow from the displacement."""
         return self.problem.scalar_states(self.displacement)
 
-    def works_since(self, before: NeededForces | None) -> tuple[float, float]:
+    def works_since(self, before: InternalForces | None) -> tuple[float, float]:
         """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy)."""
         if before is None:
             loads, reactions, moved = self.load, self.reactions, self.displacement

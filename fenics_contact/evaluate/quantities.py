@@ -10,7 +10,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.state import OPEN, SLIP, STICK
-from fenics_contact.evaluate.needed_forces import NeededForces, own_dofs
+from fenics_contact.evaluate.internal_forces import InternalForces, own_dofs
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, STRAIN_ENERGY
@@ -21,7 +21,7 @@ from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.solve.newton.solution import Solution
 
 
-def support_records(forces: NeededForces) -> list[SupportRecord]:
+def support_records(forces: InternalForces) -> list[SupportRecord]:
     """A row a support: its resultant, and the mean displacement of what it holds; collective.
 
     Along each axis, None along others (length).
@@ -48,7 +48,7 @@ def scalar_records(problem: Problem, solution: Solution) -> dict[str, PreloadRec
     return {label: record for label, record in found.items() if record is not None}
 
 
-def _mean_displacement(forces: NeededForces, dofs: Integers) -> list[float | None]:
+def _mean_displacement(forces: InternalForces, dofs: Integers) -> list[float | None]:
     """Of owned dofs of all ranks by component, None where there are none; collective."""
     components = forces.problem.spaces.components
     moved = forces.displacement.reshape(-1)[dofs]
@@ -57,7 +57,7 @@ def _mean_displacement(forces: NeededForces, dofs: Integers) -> list[float | Non
     return [float(s / n) if n > 0 else None for s, n in zip(summed, counts, strict=True)]
 
 
-def global_quantities(forces: NeededForces, contacts: list[dict[str, Any]]) -> dict[str, Any]:
+def global_quantities(forces: InternalForces, contacts: list[dict[str, Any]]) -> dict[str, Any]:
     """The interface's quantities of the whole model.
 
     Resultants of contacts are those of the only one, None where there are several: a sum over

@@ -30,7 +30,7 @@ from fenics_contact.results.result import Result
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.less_of import FACTOR, with_less
+from fenics_contact.simulation.reduced_parameters import FACTOR, with_reduced
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, row_of
 
 # Of a difference to half the step, and to cells of half the size with half the step: by their
@@ -125,7 +125,7 @@ class MotionErrors:
         return self._apart(self._with_half_the_step, halved_body(self._spaces), _SAFETY * _OF_CELLS)
 
     def _by_parameter(self, name: str) -> Errors:
-        other = with_less(self._scene, self._contacts, name)
+        other = with_reduced(self._scene, self._contacts, name)
         if other is None:
             raise _NotHadError("it varies over a contact")
         if other == self._scene:

@@ -12,10 +12,10 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.contact_quantities import contact_quantities, slid
 from fenics_contact.evaluate.energy_balance import EnergyBook
 from fenics_contact.evaluate.fretting.history import StressHistory
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.load_drives import load_records
 from fenics_contact.evaluate.momentum_book import MomentumBook
 from fenics_contact.evaluate.moving_forces import MovingForces
-from fenics_contact.evaluate.needed_forces import NeededForces
 from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 # Steps of a motion that are many, of which strains are looked at in every fourth.
 _MANY, _SELDOM = 100, 4
 
-_Forces = TypeVar("_Forces", bound=NeededForces)
+_Forces = TypeVar("_Forces", bound=InternalForces)
 
 
 class StepHistory(Generic[_Forces]):

@@ -26,7 +26,7 @@ from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
-from fenics_contact.solve.load_steps.beside import Beside
+from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
 from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -141,7 +141,7 @@ class StepsOfRun(StepListener):
         if self._cycles is not None:
             solution = self._cycles.resume(load_steps, saved)
         else:
-            solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.beside)
+            solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.auxiliary)
         self._history.resume(solution, saved.energy)
 
     def accepted(self, step: AcceptedStep) -> None:
@@ -205,24 +205,24 @@ class _StateKeeper(StepListener):
         now = from_root(load_steps.problem.comm, monotonic())
         self._unkept = not is_last and now < self._kept_at + load_steps.seconds_unkept
         if not self._unkept:
-            self.keep(load_steps.beside)
+            self.keep(load_steps.auxiliary)
             self._kept_at = now
 
     def make_up(self) -> None:
         """Write the state of the last load step, if it was not time to before; collective."""
         if self._unkept:
-            self.keep(self._load_steps.beside)
+            self.keep(self._load_steps.auxiliary)
 
-    def keep(self, beside: Beside) -> None:
+    def keep(self, auxiliary: AuxiliaryState) -> None:
         """Write the state of the last load step; collective.
 
         Args:
-            beside: What another run needs besides it.
+            auxiliary: What another run needs besides it.
         """
         if self._state is None:
             return
         with self._timings.phase("output"):
-            self._state.save(self._load_steps, self._history.steps, self._history.sums, beside)
+            self._state.save(self._load_steps, self._history.steps, self._history.sums, auxiliary)
 
 
 def by_default(scene: Scene) -> Announce:

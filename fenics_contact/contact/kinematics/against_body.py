@@ -200,7 +200,7 @@ class BodyKinematics(ContactKinematics):
     def leave_out(self, points: Flags) -> None:
         """All points count: what faces none has no gap."""
 
-    def bring_up(self) -> None:
+    def move_to_first_contact(self) -> None:
         """Bodies stand where they are meshed."""
 
     def displace(self, displacement: Array) -> None:

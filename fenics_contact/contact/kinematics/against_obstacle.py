@@ -203,7 +203,7 @@ class ObstacleKinematics(ContactKinematics):
         """Take the gap of the obstacle as it stands now, after it was driven or moved."""
         self._measure(self.without_round_off(self._measured, self._size))
 
-    def bring_up(self) -> None:
+    def move_to_first_contact(self) -> None:
         """Take the obstacle to where it first touches the undeformed surface; collective.
 
         That may be between the points: an apex smaller than the cells meets no node first.

@@ -142,7 +142,7 @@ class ContactKinematics(ABC):
         """Take points out of an obstacle's reach."""
 
     @abstractmethod
-    def bring_up(self) -> None:
+    def move_to_first_contact(self) -> None:
         """Take an obstacle to where it first touches the undeformed surface; collective."""
 
     @abstractmethod

@@ -29,7 +29,7 @@ from fenics_contact.simulation.restart.complete_tables import keys_in_format_1
 from fenics_contact.simulation.restart.node_keys import NodalKeys
 from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
-from fenics_contact.solve.load_steps.beside import Beside
+from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import has_ended
 from fenics_contact.solve.newton.solution import Solution
@@ -51,7 +51,7 @@ class SavedRun:
         forces: Largest of all steps (force).
         energy: Sums of its energy book.
         exit_code: Of a run that came to its end; else None.
-        beside: What was kept beside the step.
+        auxiliary: What was kept beside the step.
     """
 
     last: AcceptedStep
@@ -60,7 +60,7 @@ class SavedRun:
     forces: float
     energy: list[float]
     exit_code: int | None
-    beside: Beside
+    auxiliary: AuxiliaryState
 
     @property
     def time(self) -> float:
@@ -112,7 +112,7 @@ class StateFile:
         load_steps: LoadSteps,
         steps: list[StepRecord],
         energy: list[float],
-        beside: Beside | None = None,
+        auxiliary: AuxiliaryState | None = None,
     ) -> None:
         """Write the last accepted step of a history; collective.
 
@@ -120,12 +120,12 @@ class StateFile:
             load_steps: Of the run.
             steps: Records of all steps.
             energy: Sums of the energy book.
-            beside: What else is to be kept.
+            auxiliary: What else is to be kept.
 
         Raises:
             MachineError: It could not be written; that of the step before is still there.
         """
-        last, beside = load_steps.last, beside or Beside()
+        last, auxiliary = load_steps.last, auxiliary or AuxiliaryState()
         assert last is not None
         header = {
             "made_for": self._made_for,
@@ -137,15 +137,15 @@ class StateFile:
             "energy": energy,
             "exit_code": None,
             "contacts": [_plain_part(memory) for memory in last.contacts],
-            "beside": beside.said,
-            "beside_at_points": list(beside.of_contact(0)),
-            "beside_nodal": list(beside.nodal),
+            "beside": auxiliary.said,
+            "beside_at_points": list(auxiliary.of_contact(0)),
+            "beside_nodal": list(auxiliary.nodal),
             "solution": {
                 "strategy": last.solution.strategy,
                 "imbalance_limit": last.solution.imbalance_limit,
             },
         }
-        write(self._comm, self.path, header, self._tables(last, beside))
+        write(self._comm, self.path, header, self._tables(last, auxiliary))
 
     def finish(self, exit_code: int) -> None:
         """Say in it that the run came to its end; collective."""
@@ -204,7 +204,7 @@ class StateFile:
             forces=header["forces"],
             energy=header["energy"],
             exit_code=header["exit_code"],
-            beside=Beside(
+            auxiliary=AuxiliaryState(
                 header["beside"],
                 at_points,
                 {name: nodal[name] for name in header["beside_nodal"]},
@@ -240,15 +240,15 @@ class StateFile:
     def _refused(self, why: str) -> InputError:
         return InputError(f"--resume: '{self.path}' does not belong here: {why}")
 
-    def _tables(self, last: AcceptedStep, beside: Beside) -> dict[str, Rows]:
+    def _tables(self, last: AcceptedStep, auxiliary: AuxiliaryState) -> dict[str, Rows]:
         """This rank's own rows of all that stands at nodes and facets; collective."""
         keys, own = self._nodes.own()
         states = {"last": last.unknowns} | ({} if last.before is None else {"before": last.before})
         nodal = {name: unknowns.displacement[own] for name, unknowns in states.items()}
-        nodal |= {name: values[own] for name, values in beside.nodal.items()}
+        nodal |= {name: values[own] for name, values in auxiliary.nodal.items()}
         tables: dict[str, Rows] = {}
         for number, memory in enumerate(last.contacts):
-            tables |= self._of_contact(number, memory.at_points | beside.of_contact(number))
+            tables |= self._of_contact(number, memory.at_points | auxiliary.of_contact(number))
             if memory.paired_at is not None:
                 nodal[_paired_at(number)] = memory.paired_at[own]
         tables["nodes"] = Rows(keys, nodal)

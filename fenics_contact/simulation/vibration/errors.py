@@ -14,7 +14,7 @@ from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.results.records.vibration import DampingRecord, ModeRecord
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.less_of import FACTOR, with_less
+from fenics_contact.simulation.reduced_parameters import FACTOR, with_reduced
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.vibration.vibration import Vibration, vibration_of
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
@@ -121,7 +121,7 @@ def _by_parameter(
     found: Vibration, kept: KeptBody, scene: Scene, contacts: Sequence[ContactRecord], name: str
 ) -> Values | None:
     """With a small part of ε or of ε₁, as far as contacts have any; collective."""
-    other = with_less(scene, contacts, name)
+    other = with_reduced(scene, contacts, name)
     if other is None:
         return None
     if other == scene:

@@ -15,7 +15,7 @@ from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.rates import Progress, Rates
 from fenics_contact.simulation.worn.worn_cycles import WornCycles, with_depths
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
-from fenics_contact.solve.load_steps.beside import Beside
+from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
@@ -58,12 +58,12 @@ class CyclesOfRun:
         Returns:
             The end of the last cycle that was computed.
         """
-        solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.beside)
+        solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.auxiliary)
         assert load_steps.last is not None
-        self._progress = _progress(solution, load_steps.last, saved.beside)
+        self._progress = _progress(solution, load_steps.last, saved.auxiliary)
         return with_depths(load_steps.problem.contacts, self._progress.rates)
 
-    def drive(self, load_steps: LoadSteps, keep: Callable[[Beside], None]) -> None:
+    def drive(self, load_steps: LoadSteps, keep: Callable[[AuxiliaryState], None]) -> None:
         """Compute cycles, and pass over others, to the last one; collective.
 
         Args:
@@ -83,7 +83,7 @@ class CyclesOfRun:
             end = repetition.begin + cycle.number * repetition.period
             self._history.add_cycle(end, solution, cycle)
             self._counted()
-            keep(_beside(worn.progress))
+            keep(_auxiliary(worn.progress))
 
     def budget(self, load_steps: LoadSteps, steps: Sequence[StepRecord]) -> ErrorBudget:
         """Estimated errors of the last cycle: none, and why, where the scene asks for some.
@@ -97,11 +97,11 @@ class CyclesOfRun:
         return ErrorBudget(notes=[_NOT_ESTIMATED])
 
 
-def _beside(progress: Progress) -> Beside:
+def _auxiliary(progress: Progress) -> AuxiliaryState:
     """What is to be kept of how far cycles are."""
     earlier, rates = progress.earlier, progress.rates
     said: dict[str, Any] = {name: getattr(progress, name) for name in _NUMBERS}
-    return Beside(
+    return AuxiliaryState(
         said=said
         | {
             "number": rates.number,
@@ -117,15 +117,15 @@ def _beside(progress: Progress) -> Beside:
     )
 
 
-def _progress(solution: Solution, end: AcceptedStep, beside: Beside) -> Progress:
+def _progress(solution: Solution, end: AcceptedStep, auxiliary: AuxiliaryState) -> Progress:
     """How far the cycles of another run are.
 
     Args:
         solution: At the end of the last one.
         end: The last load step.
-        beside: What was kept beside it.
+        auxiliary: What was kept beside it.
     """
-    said, at_points = beside.said, beside.at_points
+    said, at_points = auxiliary.said, auxiliary.at_points
 
     def rates(number: int, depths: list[Array]) -> Rates:
         return Rates(

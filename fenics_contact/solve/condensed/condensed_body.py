@@ -171,7 +171,7 @@ class CondensedBody:
                 ]
         return found
 
-    def foresee(self, loads: Sequence[Array]) -> None:
+    def precompute_loads(self, loads: Sequence[Array]) -> None:
         """Find what loads do that are going to act, together: it takes hardly longer than of one.
 
         Condensed onto the contacts, and what is linear in it; collective.
@@ -181,8 +181,9 @@ class CondensedBody:
         """
         stiffness = self.stiffness
         none = np.zeros_like(loads[0])
-        self.loads.foresee(np.array([stiffness.load(one, none, self.held) for one in loads]))
-        self.rows.given.foresee([Functional(forces=stiffness.share(one)) for one in loads])
+        every = [stiffness.load(one, none, self.held) for one in loads]
+        self.loads.precompute(np.array(every))
+        self.rows.given.precompute([Functional(forces=stiffness.share(one)) for one in loads])
 
     @property
     def of_schur(self) -> OfSchur | None:

@@ -57,7 +57,7 @@ class CondensedLoads:
             condensed = condensed + of_left
         return condensed
 
-    def foresee(self, loads: Array) -> None:
+    def precompute(self, loads: Array) -> None:
         """Condense loads that are going to be asked for, with one solve; collective.
 
         Args:

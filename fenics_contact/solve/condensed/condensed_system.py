@@ -242,9 +242,9 @@ class CondensedSystem(System):
         assert self._present is not None
         return self._present
 
-    def foresee(self, loads: Sequence[Array]) -> None:
+    def precompute_loads(self, loads: Sequence[Array]) -> None:
         """Solve for what several loads do inside the body together; collective."""
-        self.body.foresee(loads)
+        self.body.precompute_loads(loads)
 
     def follow_supports(self) -> None:
         """Bring supports and loads to their present values; collective."""

@@ -22,14 +22,14 @@ from fenics_contact.solve.load_steps.accepted_step import (
     Unknowns,
     contact_change,
 )
-from fenics_contact.solve.load_steps.beside import Beside
+from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
 from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
 from fenics_contact.solve.load_steps.listener import StepListener
-from fenics_contact.solve.load_steps.resting_place import RestingPlace
 from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
+from fenics_contact.solve.load_steps.step_rollback import StepRollback
 from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton.slack import release_held
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.newton.tightening import release_held
 
 logger = logging.getLogger(__name__)
 
@@ -39,7 +39,7 @@ Warm = Callable[[Newton], Solution | None]
 _SAME_END = 1e-4
 
 
-class LoadSteps(RestingPlace):
+class LoadSteps(StepRollback):
     """All load steps of a problem.
 
     Attributes:
@@ -126,12 +126,12 @@ class LoadSteps(RestingPlace):
         self.tried += time
 
     @property
-    def beside(self) -> Beside:
+    def auxiliary(self) -> AuxiliaryState:
         """What another run needs besides the last step to go on: nothing."""
-        return Beside()
+        return AuxiliaryState()
 
     def resume(
-        self, last: AcceptedStep, pace: Sequence[float], forces: float, beside: Beside
+        self, last: AcceptedStep, pace: Sequence[float], forces: float, auxiliary: AuxiliaryState
     ) -> Solution:
         """Take up the load steps that another run began; collective.
 
@@ -139,7 +139,7 @@ class LoadSteps(RestingPlace):
             last: Its last step. Of the solution, only what it says of the way there counts.
             pace: The state of its pace.
             forces: Largest of its steps so far (force).
-            beside: What it kept besides.
+            auxiliary: What it kept besides.
 
         Returns:
             The solution of that step.

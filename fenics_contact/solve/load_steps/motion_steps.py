@@ -16,7 +16,7 @@ from fenics_contact.problem.inertia.states import MovingState, StepForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
-from fenics_contact.solve.load_steps.beside import Beside
+from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 
@@ -65,29 +65,29 @@ class MotionSteps(LoadSteps):
         super()._accept(time, found)
 
     @property
-    def beside(self) -> Beside:
+    def auxiliary(self) -> AuxiliaryState:
         """The state from which the last step began; collective."""
         assert self._began_at is not None
         said, nodal = self._began_at.parts
         said["size"] = self._inertia.size
-        return Beside(said, self._began_at.at_points, nodal)
+        return AuxiliaryState(said, self._began_at.at_points, nodal)
 
     def resume(
-        self, last: AcceptedStep, pace: Sequence[float], forces: float, beside: Beside
+        self, last: AcceptedStep, pace: Sequence[float], forces: float, auxiliary: AuxiliaryState
     ) -> Solution:
         """As of load steps, from the state from which the last one began; collective.
 
         Raises:
             InputError: Its steps were of another length.
         """
-        size, other = self._inertia.size, beside.said["size"]
+        size, other = self._inertia.size, auxiliary.said["size"]
         if abs(size - other) > _SAME * size:
             raise InputError(
                 f"--resume: motion.end makes steps of {size:g}, not of {other:g} as before; "
                 "choose one that is a multiple of motion.step"
             )
-        self._began_at = MovingState.of(beside.said, beside.nodal, beside.at_points)
-        return super().resume(last, pace, forces, beside)
+        self._began_at = MovingState.of(auxiliary.said, auxiliary.nodal, auxiliary.at_points)
+        return super().resume(last, pace, forces, auxiliary)
 
     def go_back(self) -> None:
         """To the last accepted step as it was solved, or to none; collective."""

@@ -137,7 +137,7 @@ class System(ABC):
     def prepare(self, snes: PETSc.SNES) -> None:
         """Set whatever the linear solver needs beside its options."""
 
-    def foresee(self, loads: Sequence[Array]) -> None:  # noqa: B027  (most have nothing to prepare)
+    def precompute_loads(self, loads: Sequence[Array]) -> None:  # noqa: B027  (most have nothing to prepare)
         """Prepare for answers under loads beside those that there are; collective.
 
         Args:

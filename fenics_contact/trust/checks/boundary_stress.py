@@ -11,7 +11,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.facet_sizes import relative_cell_size
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import nearer_to_failing
@@ -27,7 +27,7 @@ _LARGEST_STRESS_LIMIT = 0.5
 _OF_NO_STRESS = 0.8
 
 
-def boundary_stress(forces: NeededForces) -> Check | None:
+def boundary_stress(forces: InternalForces) -> Check | None:
     """∫ σ(u) n over each contact against its pressure and friction resultants.
 
     Relative to ∫ (p + g + mean stress of the body): where the contact carries little,
@@ -91,20 +91,20 @@ def _area(contact: ContactSurface) -> float:
     return float(contact.trace.integral(np.ones(len(contact.trace.weights))))
 
 
-def _resultant(forces: NeededForces, number: int) -> Array:
+def _resultant(forces: InternalForces, number: int) -> Array:
     """∫ of the tractions on a contact's slave, (components,) (force)."""
     trace, state = forces.problem.contacts[number].trace, forces.solution.states[number]
     pressure = state.contact_pressure[:, None] * trace.normals
     return np.asarray(trace.integral(state.friction_traction - pressure))
 
 
-def _carried(forces: NeededForces, number: int) -> float:
+def _carried(forces: InternalForces, number: int) -> float:
     """∫ (p + g) of a contact (force)."""
     contact, state = forces.problem.contacts[number], forces.solution.states[number]
     return float(contact.trace.integral(np.abs(state.contact_pressure) + contact.friction_bound))
 
 
-def _mean_stress(forces: NeededForces) -> float:
+def _mean_stress(forces: InternalForces) -> float:
     """Root mean square stress of the body, √(E a(u, u) / volume), E the largest stiffness."""
     problem = forces.problem
     energy = 2 * forces.strain_energy

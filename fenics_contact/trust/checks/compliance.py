@@ -13,7 +13,7 @@ import numpy as np
 from fenics_contact.common.arrays import Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.state import STICK
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import nearer_to_failing, size_of, worst_of
 from fenics_contact.trust.checks.friction import ComparedFriction
@@ -29,7 +29,7 @@ _SLIP_ROUND_OFF = 20.0
 
 
 def penetration_depth(
-    forces: NeededForces, contacts: list[ComparedPressures], numbers: Sequence[int]
+    forces: InternalForces, contacts: list[ComparedPressures], numbers: Sequence[int]
 ) -> Check | None:
     """Deepest penetration of one-sided contacts, against two lengths; collective.
 
@@ -70,7 +70,7 @@ def penetration_depth(
     return worst
 
 
-def _glue(forces: NeededForces, numbers: Sequence[int]) -> Check | None:
+def _glue(forces: InternalForces, numbers: Sequence[int]) -> Check | None:
     """How far glue gives way, over what the bodies do; collective."""
     worst: Check | None = None
     comm = forces.problem.comm

@@ -8,7 +8,7 @@ from functools import reduce
 import numpy as np
 
 from fenics_contact.common.parallel import largest, total
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import balance, nearer_to_failing
 
@@ -16,7 +16,7 @@ from fenics_contact.trust.checks.comparison import balance, nearer_to_failing
 _NO_FORCE = 1e-9
 
 
-def equilibrium(forces: NeededForces) -> Check | None:
+def equilibrium(forces: InternalForces) -> Check | None:
     """Resultants and moments of loads, support reactions and contact forces add up to zero.
 
     In every part of the body by itself, relative to the sum of its nodal forces; the part
@@ -38,7 +38,7 @@ def equilibrium(forces: NeededForces) -> Check | None:
     return replace(worst, parts=tuple(every)) if len(every) > 1 else worst
 
 
-def given_forces(forces: NeededForces) -> Check | None:
+def given_forces(forces: InternalForces) -> Check | None:
     """Force on each of the body's scalars against the one that is given; collective.
 
     Such as that along a bolt that is tightened; over the larger of the two. The one compared
@@ -55,7 +55,7 @@ def given_forces(forces: NeededForces) -> Check | None:
     return Check(value, _NO_FORCE + 2 * solution.imbalance_limit / size)
 
 
-def stabilisation(forces: NeededForces) -> Check | None:
+def stabilisation(forces: InternalForces) -> Check | None:
     """Largest force where motions that nothing resists are held, over all forces applied.
 
     It vanishes, but for what is left out of balance elsewhere, whose lever is no longer.

@@ -15,7 +15,7 @@ from fenics_contact.common.arrays import Array, Flags, Words
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, Place, nearer_to_failing, worst_of
 
@@ -23,7 +23,7 @@ from fenics_contact.trust.checks.comparison import TRACE, Place, nearer_to_faili
 _LOOP_SAFETY = 10.0
 
 
-def recovered_friction(forces: NeededForces, number: int) -> Array:
+def recovered_friction(forces: InternalForces, number: int) -> Array:
     """Friction forces that the bulk needs at the nodes of a contact.
 
     Returns:
@@ -88,7 +88,7 @@ class ComparedFriction:
         return worst_of(self.comm, values, self.places)
 
 
-def compared_friction(forces: NeededForces) -> list[ComparedFriction]:
+def compared_friction(forces: InternalForces) -> list[ComparedFriction]:
     """All contacts with friction to compare, in scene order; collective."""
     problem, solution = forces.problem, forces.solution
     found = []
@@ -230,7 +230,7 @@ def dissipation(contacts: list[ComparedFriction]) -> Check | None:
     return _worst([contact for contact in contacts if contact.across <= TRACE], given)
 
 
-def outer_loop(forces: NeededForces, contacts: Sequence[int]) -> Check | None:
+def outer_loop(forces: InternalForces, contacts: Sequence[int]) -> Check | None:
     """G of the friction that was solved against μ p of the pressure that came out; collective.
 
     Over the largest μ p, where it depends on a pressure that is not known. No other check sees a

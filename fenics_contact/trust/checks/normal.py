@@ -12,7 +12,7 @@ from fenics_contact.common.parallel import gather_rows, largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.facet_sizes import relative_facet_size
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import TRACE, nearer_to_failing, worst_of
 
@@ -72,7 +72,7 @@ class ComparedPressures:
         return Check(found / self.peak, self.limit, self.contact.label, place)
 
 
-def compared_pressures(forces: NeededForces) -> list[ComparedPressures]:
+def compared_pressures(forces: InternalForces) -> list[ComparedPressures]:
     """All contacts that push, in scene order; collective."""
     problem, solution = forces.problem, forces.solution
     found = []
@@ -139,7 +139,7 @@ def tension(contacts: list[ComparedPressures]) -> Check | None:
     return worst
 
 
-def penetration(forces: NeededForces, contacts: list[ComparedPressures]) -> Check | None:
+def penetration(forces: InternalForces, contacts: list[ComparedPressures]) -> Check | None:
     """Energy in penalties over that in the body: the share by which contact forces are off.
 
     Args:
@@ -157,7 +157,7 @@ def penetration(forces: NeededForces, contacts: list[ComparedPressures]) -> Chec
     return Check(sunk / elastic if elastic > 0 else float("nan"), _LARGEST_PENETRATION)
 
 
-def pressure_recovery(forces: NeededForces, contacts: list[ComparedPressures]) -> Check | None:
+def pressure_recovery(forces: InternalForces, contacts: list[ComparedPressures]) -> Check | None:
     """Penalty pressure against that from reactions: median difference over the mean pressure.
 
     They differ at first order in the facet size over the contact's, but at singular edges and

@@ -12,7 +12,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import balance, nearer_to_failing
@@ -23,7 +23,7 @@ _PAIR_ROUND_OFF = 1e-6
 _PAIR_SAFETY = 4.0
 
 
-def resultant(forces: NeededForces) -> Check | None:
+def resultant(forces: InternalForces) -> Check | None:
     """Resultants of contacts from the bulk, K u − f, against loads; collective.
 
     - The force along its direction of an obstacle that a force drives, against that force.
@@ -42,7 +42,7 @@ def resultant(forces: NeededForces) -> Check | None:
     return worst
 
 
-def _obstacles(forces: NeededForces) -> list[Check]:
+def _obstacles(forces: InternalForces) -> list[Check]:
     """The force of each obstacle that a force drives, against that force; collective."""
     found = []
     free, comm = forces.problem.free, forces.problem.comm
@@ -61,7 +61,7 @@ def _obstacles(forces: NeededForces) -> list[Check]:
     return found
 
 
-def _pressures(forces: NeededForces) -> list[Check]:
+def _pressures(forces: InternalForces) -> list[Check]:
     """The forces of all given pressures together, against ∫ p n; collective."""
     problem, solution = forces.problem, forces.solution
     pairs = zip(problem.contacts, solution.states, strict=True)
@@ -83,7 +83,7 @@ def _pressures(forces: NeededForces) -> list[Check]:
     return [balance(off, carried, solution.imbalance_limit, label, "pressure")]
 
 
-def _parts(forces: NeededForces) -> list[Check]:
+def _parts(forces: InternalForces) -> list[Check]:
     """The forces of contacts on each part along axes that no support holds; collective."""
     problem = forces.problem
     spaces, parts = problem.spaces, problem.spaces.parts
@@ -121,7 +121,7 @@ def _held_axes(problem: Problem) -> Flags:
     return held
 
 
-def action_and_reaction(forces: NeededForces) -> Check | None:
+def action_and_reaction(forces: InternalForces) -> Check | None:
     """Forces of a contact on both bodies, and their moments, add up to zero.
 
     Relative to the forces on the slave, moments over the extent of its surface. Forces are handed
@@ -136,7 +136,7 @@ def action_and_reaction(forces: NeededForces) -> Check | None:
     return worst
 
 
-def _handed_over(forces: NeededForces, contact: ContactSurface, nodal: Array) -> Check:
+def _handed_over(forces: InternalForces, contact: ContactSurface, nodal: Array) -> Check:
     spaces, extent = contact.spaces, contact.trace.extent()
     owned, size = slice(0, spaces.owned_nodes), spaces.components
     vectors, places = np.zeros((2, spaces.owned_nodes, 3))

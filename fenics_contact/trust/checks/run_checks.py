@@ -18,7 +18,7 @@ from functools import cached_property, partial
 from mpi4py import MPI
 
 from fenics_contact.common.failures import attempt
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.boundary_stress import boundary_stress
 from fenics_contact.trust.checks.compliance import penetration_depth, stick_creep
@@ -54,7 +54,7 @@ class Solved:
         steps: Load steps taken.
     """
 
-    forces: NeededForces
+    forces: InternalForces
     steps: int
 
     @cached_property
@@ -127,7 +127,7 @@ OF_LAWS: Mapping[str, Callable[[Claimed], Check | None]] = {
 }
 
 
-def run_checks(forces: NeededForces, steps: int = 1) -> dict[str, Check]:
+def run_checks(forces: InternalForces, steps: int = 1) -> dict[str, Check]:
     """All checks that the scene's terms call for; collective.
 
     A check that finds nothing to compare, such as friction where supports hold every
@@ -144,7 +144,7 @@ def run_checks(forces: NeededForces, steps: int = 1) -> dict[str, Check]:
     return {name: check for name, check in found.items() if check is not None}
 
 
-def all_checks(forces: NeededForces, steps: int) -> dict[str, Check | None]:
+def all_checks(forces: InternalForces, steps: int) -> dict[str, Check | None]:
     """As ``run_checks``, with None for those that find nothing to compare; collective."""
     for contact in forces.problem.contacts:
         unknown = sorted({*contact.checks} - {*OF_LAWS})

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.problem.existence.slip_shares import HELD, slip_shares
 from fenics_contact.results.result import Check
 
 
-def slip_limit(forces: NeededForces) -> Check | None:
+def slip_limit(forces: InternalForces) -> Check | None:
     """How much of what friction can hold against rigid motions of parts it does hold; collective.
 
     At all of it parts slip as one, and nothing says how far: pressures of the linear theory change

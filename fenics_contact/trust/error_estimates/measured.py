@@ -9,7 +9,7 @@ import numpy as np
 
 from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.contact_quantities import contact_quantities
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
 from fenics_contact.problem.problem import Problem
@@ -52,7 +52,7 @@ class Measured:
             self._of_answer = measured(self._problem, solution, self._forces(solution))
         return self._of_answer
 
-    def _forces(self, solution: Solution) -> NeededForces:
+    def _forces(self, solution: Solution) -> InternalForces:
         """What the bulk needs in the present state; collective."""
         problem, system = self._problem, self._system
         follows = problem.elastic.mixed is not None or problem.body_scalars
@@ -70,7 +70,7 @@ def _rows(problem: Problem) -> int:
 
 
 def measured(
-    problem: Problem, solution: Solution, forces: NeededForces | None = None
+    problem: Problem, solution: Solution, forces: InternalForces | None = None
 ) -> dict[Hashable, QuantityValue]:
     """Quantities of a solution in whose state a problem is, by ``Measured``'s keys; collective.
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.common.parallel import largest
-from fenics_contact.evaluate.needed_forces import NeededForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
@@ -83,7 +83,7 @@ def _shares(depth: Array, closes: Array) -> Array:
     return np.divide(depth, depth + closes, out=np.zeros_like(depth), where=depth > 0)
 
 
-def unseen_contact(forces: NeededForces) -> Check | None:
+def unseen_contact(forces: InternalForces) -> Check | None:
     """What sinks in between points, over itself and what pressure closes there; collective."""
     worst: Check | None = None
     for number, contact in enumerate(forces.problem.contacts):

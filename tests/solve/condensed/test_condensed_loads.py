@@ -52,7 +52,7 @@ def test_loads_that_are_foreseen_take_one_solve_together():
     known, *others = np.random.default_rng(6).standard_normal((4, 60))
     loads.condense(known)
     others[0] = known + 1e-6 * others[0]
-    loads.foresee(np.array(others))
+    loads.precompute(np.array(others))
     assert bulk.solves == 2
     for load in (*others, known + others[1], known - 2 * others[2]):
         assert loads.condense(load) == pytest.approx(bulk.matrix @ load, rel=1e-9, abs=1e-9)
@@ -65,7 +65,7 @@ def test_a_load_of_zero_among_those_foreseen_is_no_part_of_any_other(size):
     bulk = Bulk()
     loads = CondensedLoads(bulk)
     load, other = size * np.random.default_rng(7).standard_normal((2, 60))
-    loads.foresee(np.array([np.zeros(60), load, load]))
+    loads.precompute(np.array([np.zeros(60), load, load]))
     for wanted in (load, other, load - 2 * other):
         assert loads.condense(wanted) == pytest.approx(bulk.matrix @ wanted, rel=1e-9)
     assert bulk.solves == 2

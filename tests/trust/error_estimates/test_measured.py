@@ -34,7 +34,7 @@ def both(name):
             problem.disturbance = Disturbance.growing(waves[:, :size], 1.0)
             problem.set_time(load_steps.time)
 
-        load_steps.newton.system.foresee([waves[:, :size]])
+        load_steps.newton.system.precompute_loads([waves[:, :size]])
         for most in (10_000, -1):
             with pytest.MonkeyPatch.context() as patched:
                 patched.setattr(module, "_MOST_ROWS", most)

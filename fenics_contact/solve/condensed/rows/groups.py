@@ -106,7 +106,7 @@ class GivenRows:
             whole[number, : len(shares)] = shares
         return whole
 
-    def foresee(self, wanted: Sequence[Functional]) -> None:
+    def precompute(self, wanted: Sequence[Functional]) -> None:
         """Make the rows of functionals that are going to be asked for, together; collective.
 
         Args:

@@ -241,7 +241,7 @@ def _changes(
     found = []
     last = drawn_forces(local, _DRAWS)
     every = followed.every([forces for forces, _ in last])
-    load_steps.newton.system.foresee([forces for rows in every for forces in rows])
+    load_steps.newton.system.precompute_loads([forces for rows in every for forces in rows])
     for number, (forces, (_, on_scalars)) in enumerate(zip(every, last, strict=True)):
         disturb = partial(_disturb, followed.along(forces), on_scalars, load_steps.time)
         way = drawn if number else again

@@ -29,7 +29,7 @@ _TRIED = 0.1
 _NONE = 1e-9
 
 
-def tighten(newton: Newton, last: Solution | None) -> None:
+def take_up_slack(newton: Newton, last: Solution | None) -> None:
     """Take up the slack of scalars that had no force in the last load step; collective.
 
     One that is asked for no force, and has none, stays where it is.

@@ -35,7 +35,7 @@ class Balances:
     carried: Array
 
 
-class NeededForces(ABC):
+class InternalForces(ABC):
     """What the bulk needs in an answer, against what loads and contacts give; collective, as all.
 
     Attributes:
@@ -122,7 +122,7 @@ class NeededForces(ABC):
         """The body's scalars, with the forces on them that follow from the displacement."""
 
     @abstractmethod
-    def works_since(self, before: NeededForces | None) -> tuple[float, float]:
+    def works_since(self, before: InternalForces | None) -> tuple[float, float]:
         """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy).
 
         Args:

@@ -1,4 +1,4 @@
-"""What those who take load steps keep beside the last one, for another run to go on from."""
+"""State that load steps keep besides their last one, with which another run goes on."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from fenics_contact.common.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Beside:
-    """What is kept beside the last load step.
+class AuxiliaryState:
+    """State that is kept besides the last load step, such as where a motion's step began.
 
     Attributes:
         said: What is no array, as JSON has it.

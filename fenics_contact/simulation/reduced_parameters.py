@@ -15,7 +15,7 @@ _LEFT = 1 / 32
 FACTOR = 1 / (1 - _LEFT) ** 2
 
 
-def with_less(scene: Scene, contacts: Sequence[ContactRecord], name: str) -> Scene | None:
+def with_reduced(scene: Scene, contacts: Sequence[ContactRecord], name: str) -> Scene | None:
     """A scene with a small part of ε or of ε₁; the same one where contacts have none.
 
     Args:

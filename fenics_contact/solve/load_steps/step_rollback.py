@@ -11,13 +11,13 @@ from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.solve.coulomb.friction_scale import follow_pressure
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
 from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.tightening import tighten
+from fenics_contact.solve.newton.slack import take_up_slack
 
 # Of pseudo-times that are the same.
 _SAME = 1e-9
 
 
-class RestingPlace:
+class StepRollback:
     """A problem between load steps: begins one, and goes back where it was.
 
     That slip counts no more, and that two bodies are paired where they stand now, comes before the
@@ -55,7 +55,7 @@ class RestingPlace:
             if predicted is not None:
                 self._place(predicted)
                 newton.begin.from_last_step()
-            tighten(newton, None)
+            take_up_slack(newton, None)
             return
         self._move_on(self.last)
         problem.reach(self.last.unknowns.scalars)
@@ -65,7 +65,7 @@ class RestingPlace:
             if newton.begin.is_out_of_touch():  # an obstacle that turns leaves the straight line
                 self._place(self.last.unknowns)
         newton.begin.from_last_step()
-        tighten(newton, self.last.solution)
+        take_up_slack(newton, self.last.solution)
 
     def _move_on(self, last: AcceptedStep) -> None:
         """From the last step as it was solved to the beginning of the next one; collective."""
