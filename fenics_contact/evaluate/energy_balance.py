@@ -62,7 +62,7 @@ class _Mark:
     lost: float
 
 
-class EnergyBook:
+class EnergyBalance:
     """External work, summed over the load steps that were accepted.
 
     Attributes:
@@ -171,7 +171,7 @@ class EnergyBook:
         """Go on from the last load step of another run; collective.
 
         Args:
-            sums: Of its book.
+            sums: Those of its balance.
             forces: Of that step's solution.
         """
         self.count(forces)  # for the last forces and motions

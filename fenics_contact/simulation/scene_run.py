@@ -13,7 +13,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt, failing_together, silently
 from fenics_contact.common.timings import Timings
-from fenics_contact.evaluate.energy_balance import EnergyBook
+from fenics_contact.evaluate.energy_balance import EnergyBalance
 from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
 from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.moving_forces import MovingForces
@@ -214,9 +214,9 @@ class Run:
         return self._history.steps
 
     @property
-    def book(self) -> EnergyBook:
+    def energy_balance(self) -> EnergyBalance:
         """Work and energies along them."""
-        return self._history.book
+        return self._history.energy_balance
 
     @property
     def stress_history(self) -> StressHistory | None:
@@ -353,7 +353,7 @@ class Run:
         problem, solution, history = self.problem, self.solution, self._history
         assert solution is not None
         modes = self._modes or ChosenModes(self.scene)
-        quantities, open_share = history.steps[-1].quantities, history.book.open_share
+        quantities, open_share = history.steps[-1].quantities, history.energy_balance.open_share
         with self.timings.phase("output"):
             checks = (self.end.checks or history.checks()) | modes.check(history.steps)
             points = contact_points(problem, solution)

@@ -10,11 +10,11 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.contact_quantities import contact_quantities, slid
-from fenics_contact.evaluate.energy_balance import EnergyBook
+from fenics_contact.evaluate.energy_balance import EnergyBalance
 from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.load_drives import load_records
-from fenics_contact.evaluate.momentum_book import MomentumBook
+from fenics_contact.evaluate.momentum_balance import MomentumBalance
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
@@ -50,7 +50,7 @@ class StepHistory(Generic[_Forces]):
 
     Attributes:
         steps: What came out of each.
-        book: Work and energies along them.
+        energy_balance: Work and energies along them.
         momenta: Impulses along them, where bodies move.
         stress: That near contacts along them, where somebody asks for it.
         solution: Nodal values of this rank of the last one, None before there is one.
@@ -94,26 +94,26 @@ class StepHistory(Generic[_Forces]):
     def begin(self, steps: Sequence[StepRecord]) -> None:
         """Forget all, but steps of an earlier run to go on from."""
         self.steps, self.notes = list(steps), []
-        self.book = EnergyBook(self._problem)
-        self.momenta = MomentumBook(self._problem)
+        self.energy_balance = EnergyBalance(self._problem)
+        self.momenta = MomentumBalance(self._problem)
         self.solution = None
 
     @property
     def sums(self) -> list[float]:
         """What has been summed up so far, of energies and of momenta, to be given to ``resume``."""
         moves = self._problem.inertia.moves
-        return [*self.book.sums, *(self.momenta.sums if moves else [])]
+        return [*self.energy_balance.sums, *(self.momenta.sums if moves else [])]
 
     def resume(self, solution: Solution, sums: Sequence[float]) -> None:
         """Take over the last step of an earlier run; collective.
 
         Args:
             solution: Of that step.
-            sums: Of its books.
+            sums: Those of its balances.
         """
         self._measure(solution)
-        of_energies = len(self.book.sums)
-        self.book.resume(sums[:of_energies], self.forces)
+        of_energies = len(self.energy_balance.sums)
+        self.energy_balance.resume(sums[:of_energies], self.forces)
         if self._problem.inertia.moves:
             self.momenta.resume(sums[of_energies:], self.by_contact)
         if self.stress is not None:
@@ -132,7 +132,7 @@ class StepHistory(Generic[_Forces]):
             quantities |= self.momenta.count(self.forces, self.by_contact)
         quantities |= self._work_along(quantities)
         if solution.cycle is not None and solution.cycle.worn is None:
-            self.book.end_cycle(quantities)
+            self.energy_balance.end_cycle(quantities)
         with self._timings.phase("output"):
             sizes = self._sizes(solution) if self._looks_inside else {}
         self.steps.append(
@@ -234,12 +234,12 @@ class StepHistory(Generic[_Forces]):
             quantities: The other ones there.
         """
         self._count()
-        return dict(self.book.quantities(quantities))
+        return dict(self.energy_balance.quantities(quantities))
 
     def _count(self) -> None:
         """The work of the step whose forces these are; collective."""
         if self._problem.scene.load_steps.several:  # else there is no path to count along
-            self.book.count(self.forces)
+            self.energy_balance.count(self.forces)
 
     def checks(self) -> dict[str, Check]:
         """Of the last load step; collective."""
@@ -256,9 +256,9 @@ class StepHistory(Generic[_Forces]):
         checks: dict[str, Callable[[], Check | None]] = {}
         if not self.forces.rests:
             checks |= {"momentum_balance": self.momenta.check}
-        checks |= {"energy_balance": partial(self.book.check, last.quantities)}
+        checks |= {"energy_balance": partial(self.energy_balance.check, last.quantities)}
         if last.cycle is not None and last.cycle.is_closed:
-            checks |= {"cycle_loss": self.book.check_cycle}
+            checks |= {"cycle_loss": self.energy_balance.check_cycle}
         checks |= {"linear_range": partial(linear_range, self.steps)}
         return checks
 

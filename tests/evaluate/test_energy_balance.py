@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Load, Material, Obstacle, Path, Run, Scene, Steps, Support, run
 from fenics_contact.evaluate.contact_quantities import contact_quantities
-from fenics_contact.evaluate.energy_balance import EnergyBook
+from fenics_contact.evaluate.energy_balance import EnergyBalance
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import global_quantities
 from fenics_contact.solve.load_steps.listener import AtEachStep
@@ -185,7 +185,7 @@ def _wrong(solution, how):
 def test_a_wrong_answer_is_noticed(how):
     prepared = Run(rough(SLIDER, 20), COMM, block())
     problem = prepared.problem
-    book, kept = EnergyBook(problem), {}
+    book, kept = EnergyBalance(problem), {}
 
     def count(time, solution):
         found = solution if how in ("energy", None) else _wrong(solution, how)
@@ -205,7 +205,7 @@ def test_a_book_goes_on_where_it_was_left():
     results = []
     for leaves in (False, True):
         prepared = Run(rough(SLIDER, 5), COMM, block())
-        problem, books, kept = prepared.problem, [EnergyBook(prepared.problem)], {}
+        problem, books, kept = prepared.problem, [EnergyBalance(prepared.problem)], {}
 
         def count(time, solution, problem=problem, books=books, kept=kept, leaves=leaves):
             forces = BulkForces(problem, solution)
@@ -213,7 +213,7 @@ def test_a_book_goes_on_where_it_was_left():
             books[-1].count(forces)
             kept.update(books[-1].quantities(kept))
             if leaves:
-                books.append(EnergyBook(problem))
+                books.append(EnergyBalance(problem))
                 books[-1].resume(books[-2].sums, forces)
 
         solve(problem, None, AtEachStep(count), choice=prepared.choice)

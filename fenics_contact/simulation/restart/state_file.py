@@ -49,7 +49,7 @@ class SavedRun:
         steps: Records of all steps.
         pace: What is to come next.
         forces: Largest of all steps (force).
-        energy: Sums of its energy book.
+        energy: Sums of its energy balance.
         exit_code: Of a run that came to its end; else None.
         auxiliary: What was kept beside the step.
     """
@@ -119,7 +119,7 @@ class StateFile:
         Args:
             load_steps: Of the run.
             steps: Records of all steps.
-            energy: Sums of the energy book.
+            energy: Sums of the energy balance.
             auxiliary: What else is to be kept.
 
         Raises:

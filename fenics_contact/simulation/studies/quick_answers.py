@@ -205,5 +205,7 @@ def _measured(
         preloads=history.scalars,
         points=contact_points(problem, solution),
         checks=found,
-        verdict=verdict.of_quick_answer(problem, solution, steps, found, history.book.open_share),
+        verdict=verdict.of_quick_answer(
+            problem, solution, steps, found, history.energy_balance.open_share
+        ),
     )

@@ -49,7 +49,7 @@ class CycleHistory(StepHistory[BulkForces]):
 
         Args:
             solution: Of its last load step, with what is worn then.
-            energy: Sums of its energy book, of no use here.
+            energy: Sums of its energy balance, of no use here.
         """
         self._measure(solution)
 

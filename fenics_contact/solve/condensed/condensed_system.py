@@ -29,7 +29,7 @@ from fenics_contact.solve.condensed.present_loads import PresentLoads
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.tangent_operator import TangentOperator
 from fenics_contact.solve.condensed.unknowns import ContactVariables
-from fenics_contact.solve.systems.body_answer import BodyAnswer, FindBody, FoundWhenAsked
+from fenics_contact.solve.systems.body_answer import BodyAnswer, FindBody, LazyDisplacement
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.pair_stiffness import Entries
 from fenics_contact.solve.systems.step_springs import free_motions, sprung
@@ -384,7 +384,7 @@ class CondensedSystem(System):
         for value, one in zip(self._scalars_of(values), self._scalar_loads, strict=True):
             load += value * one.load
         at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
-        find = FoundWhenAsked(partial(self._expanded, load, at_contacts))
+        find = LazyDisplacement(partial(self._expanded, load, at_contacts))
         if self.problem.elastic.mixed is not None or self.problem.body_scalars:
             find()
         if None in self._jumps:

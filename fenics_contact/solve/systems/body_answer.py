@@ -28,7 +28,7 @@ class BodyAnswer:
 FindBody = Callable[[], BodyAnswer]
 
 
-class FoundWhenAsked:
+class LazyDisplacement:
     """Finds the answer when it is asked for first, and lets go of what finds it.
 
     Args:

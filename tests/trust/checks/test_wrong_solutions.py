@@ -181,7 +181,9 @@ def checks_of(prepared, solution=None):
     forces = BulkForces(problem, solution)
     steps = len(prepared.steps)
     found = all_checks(forces, steps)
-    return found | {"energy_balance": prepared.book.check(prepared.steps[-1]["quantities"])}
+    return found | {
+        "energy_balance": prepared.energy_balance.check(prepared.steps[-1]["quantities"])
+    }
 
 
 def failing(checks):
@@ -296,7 +298,7 @@ def stale_bound(prepared, monkeypatch):
 
 def work_lost(prepared, monkeypatch):
     quantities = prepared.steps[-1]["quantities"]
-    monkeypatch.setitem(quantities, "energy_defect", 0.2 * prepared.book.done)
+    monkeypatch.setitem(quantities, "energy_defect", 0.2 * prepared.energy_balance.done)
     return prepared.solution
 
 

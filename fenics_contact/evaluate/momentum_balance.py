@@ -18,7 +18,7 @@ _ROUND_OFF = 1e-9
 _UNTOUCHED = 1e-6
 
 
-class MomentumBook:
+class MomentumBalance:
     """Impulses of contacts, summed over the steps, and what is left of the balance of momenta.
 
     Pressures act by the mean of both ends of a step, friction and supports by their mean of it.
@@ -94,7 +94,7 @@ class MomentumBook:
         """Go on from the last step of another run.
 
         Args:
-            sums: Of its book.
+            sums: Those of its balance.
             contacts: Quantities of each contact in that step.
         """
         few, impulses, self._largest = np.split(np.array(sums), [3, 3 + self.impulses.size])
