@@ -17,8 +17,8 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
+    CycleJump,
     Cycles,
-    Jumps,
     Material,
     Obstacle,
     Path,
@@ -79,7 +79,8 @@ def measure(cells: tuple[int, int], cycles: int, coefficient: float) -> dict[str
     """
     body = boxes((Box("block", (0, 0), (1, 1), cells),), comm=MPI.COMM_SELF)
     begin = time.process_time()
-    every = list(Study(scene(cycles, coefficient), MPI.COMM_SELF, body).worn(jumps=Jumps()))
+    study = Study(scene(cycles, coefficient), MPI.COMM_SELF, body)
+    every = list(study.wear_cycles(jumps=CycleJump()))
     first, last = every[0], every[-1]
     stuck = [one.contacts[0]["stick_area"] for one in (first, last)]
     return {

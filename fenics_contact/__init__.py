@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
     from fenics_contact.scene.asked.accuracy import Accuracy
-    from fenics_contact.scene.asked.derivatives import AskedDerivatives
+    from fenics_contact.scene.asked.derivatives import DerivativeRequest
     from fenics_contact.scene.asked.fretting import FatigueLimits, Fretting, StrainLifeLine
     from fenics_contact.scene.asked.stability import Stability
     from fenics_contact.scene.asked.vibration import Damping, Modes
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.laws.wear import Wear
     from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.loading.cycles import Cycles
-    from fenics_contact.scene.loading.jumps import Jumps
+    from fenics_contact.scene.loading.jumps import CycleJump
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.obstacle import HalfSpace, Obstacle
@@ -64,27 +64,30 @@ if TYPE_CHECKING:
     from fenics_contact.scene.steps import SolverSettings, Steps
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
-    from fenics_contact.simulation.adaptive.levels import run, run_and_keep
+    from fenics_contact.simulation.adaptive.levels import run, run_with_fields
     from fenics_contact.simulation.asked_derivatives.objective import Objective
     from fenics_contact.simulation.fits.fit import Fit, fit
     from fenics_contact.simulation.fits.measured import Measured
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
-    from fenics_contact.simulation.worn.worn_cycle import WornCycle
+    from fenics_contact.simulation.worn.wear_cycle import WearCycle
 
     OwnEnergy, OwnFriction = UserContactEnergy, UserFriction
+    AskedDerivatives, Jumps, WornCycle = DerivativeRequest, CycleJump, WearCycle
+    run_and_keep = run_with_fields
 
 __all__ = [
     "Accuracy",
-    "AskedDerivatives",
     "Body",
     "Check",
     "ComplianceFriction",
     "Contact",
     "ContactPoints",
     "CoulombFriction",
+    "CycleJump",
     "Cycles",
     "Damping",
+    "DerivativeRequest",
     "Discretisation",
     "Exploration",
     "FatigueLimits",
@@ -95,7 +98,6 @@ __all__ = [
     "Group",
     "HalfSpace",
     "InputError",
-    "Jumps",
     "Load",
     "Material",
     "Measured",
@@ -135,19 +137,19 @@ __all__ = [
     "UserContactEnergy",
     "UserFriction",
     "Wear",
-    "WornCycle",
+    "WearCycle",
     "allow_laws",
     "fit",
     "load_scene",
     "main",
     "run",
-    "run_and_keep",
     "run_script",
+    "run_with_fields",
 ]
 
 # Where each of them is; a test compares this with the imports above.
 _MODULES = {
-    "simulation.adaptive.levels": ("run", "run_and_keep"),
+    "simulation.adaptive.levels": ("run", "run_with_fields"),
     "cli.program": ("main", "run_script"),
     "common.errors": (
         "FenicsContactError",
@@ -167,9 +169,9 @@ _MODULES = {
     "scene.loading.conditions": ("Load", "Point", "Preload", "Support"),
     "scene.asked.accuracy": ("Accuracy",),
     "scene.loading.cycles": ("Cycles",),
-    "scene.loading.jumps": ("Jumps",),
+    "scene.loading.jumps": ("CycleJump",),
     "scene.loading.motion": ("Motion", "MotionModes", "Rayleigh"),
-    "scene.asked.derivatives": ("AskedDerivatives",),
+    "scene.asked.derivatives": ("DerivativeRequest",),
     "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
     "scene.asked.stability": ("Stability",),
     "scene.asked.vibration": ("Damping", "Modes"),
@@ -199,11 +201,18 @@ _MODULES = {
     "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),
     "simulation.studies.study": ("Study",),
-    "simulation.worn.worn_cycle": ("WornCycle",),
+    "simulation.worn.wear_cycle": ("WearCycle",),
 }
 
 # Names that users have in their scripts, and what they are called now.
-_EARLIER_NAMES = {"OwnEnergy": "UserContactEnergy", "OwnFriction": "UserFriction"}
+_EARLIER_NAMES = {
+    "AskedDerivatives": "DerivativeRequest",
+    "Jumps": "CycleJump",
+    "OwnEnergy": "UserContactEnergy",
+    "OwnFriction": "UserFriction",
+    "WornCycle": "WearCycle",
+    "run_and_keep": "run_with_fields",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from fenics_contact.scene.asked.accuracy import Accuracy, Share, as_accuracy
-from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.scene.asked.derivatives import DerivativeRequest
 from fenics_contact.scene.asked.fretting import Fretting
 from fenics_contact.scene.asked.stability import Stability
 from fenics_contact.scene.asked.tolerances import as_tolerances
@@ -156,7 +156,7 @@ class Scene(HasUnits):
         ),
     ] = None
     derivatives: Annotated[
-        AskedDerivatives | None,
+        DerivativeRequest | None,
         FREE_AT_RESUME,
         Field(description="derivatives of quantities in numbers of the scene that are to be found"),
     ] = None

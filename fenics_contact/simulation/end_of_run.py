@@ -21,7 +21,7 @@ from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budge
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.solving_again import restore
 from fenics_contact.trust.resolution.unseen_depth import judged_by_depth
-from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, look_around
+from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, search_other_solutions
 
 AtEnd = Callable[[LoadSteps, LocalErrors | None], None]
 Judge = Callable[[LoadSteps, Sequence[StepRecord]], ErrorBudget]
@@ -80,10 +80,9 @@ class EndOfRun:
                 depth = partial(judged_by_depth, load_steps, self.checks)
                 self.checks = attempt(comm, missing, depth, self.checks, self.notes)
         with timings.phase("output"):
-            missing, look = "It was not found whether the answer is the only one", look_around
-            self.others = attempt(
-                comm, missing, partial(look, load_steps), OtherAnswers(), self.notes
-            )
+            missing = "It was not found whether the answer is the only one"
+            search = partial(search_other_solutions, load_steps)
+            self.others = attempt(comm, missing, search, OtherAnswers(), self.notes)
             if self.notes:
                 restore(load_steps)
 

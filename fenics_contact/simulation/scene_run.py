@@ -51,7 +51,7 @@ from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.vibration.stability import SlidingStability
 from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
-from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
+from fenics_contact.simulation.worn.wear_cycle import WearCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.static_start import begin_motion
@@ -189,7 +189,7 @@ class Run:
         self._at_end = at_end
 
     @property
-    def worn_cycle(self) -> WornCycle | None:
+    def worn_cycle(self) -> WearCycle | None:
         """The last cycle that was computed, where cycles that wear are passed over."""
         return self._history.cycle
 

@@ -32,7 +32,7 @@ from fenics_contact.trust.checks.run_checks import made, run_checks
 from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
 
 if TYPE_CHECKING:
-    from fenics_contact.simulation.worn.worn_cycle import WornCycle
+    from fenics_contact.simulation.worn.wear_cycle import WearCycle
 
 # Steps of a motion that are many, of which strains are looked at in every fourth.
 _MANY, _SELDOM = 100, 4
@@ -62,7 +62,7 @@ class StepHistory(Generic[_Forces]):
         cycle: The last cycle that was computed, where cycles that wear are passed over.
     """
 
-    cycle: WornCycle | None = None
+    cycle: WearCycle | None = None
 
     def __init__(
         self, problem: Problem, timings: Timings, forces_of: Callable[[Solution], _Forces]

@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from fenics_contact import Cycles, Jumps, Steps, Wear
+from fenics_contact import CycleJump, Cycles, Steps, Wear
 from fenics_contact.cli.cycle_plan import cycle_plan
 from tests.simulation.cycles.test_cycles import BAR
 from tests.simulation.worn.test_cycles_of_run import scene
@@ -19,7 +19,7 @@ from tests.solve.load_steps.histories import shoved
             "Cycles: 10,000 of 8 load steps each, the first from time 1 to 5",
         ),
         ({}, "by as many jumps as errors below 5 % take, each of which computes two cycles"),
-        ({"jumps": Jumps(fixed=4)}, "by 4 jumps of 4 cycles"),
+        ({"jumps": CycleJump(fixed=4)}, "by 4 jumps of 4 cycles"),
         ({"jumps": None, "until": "end"}, "Cycles: 14 of 8 load steps each, 112 load steps, the"),
     ],
 )

@@ -2,6 +2,8 @@
 
 import dataclasses
 
+import pytest
+
 import fenics_contact
 from fenics_contact import Scene
 from fenics_contact.scene.keys.reference import keys_of
@@ -9,21 +11,21 @@ from fenics_contact.scene.values import Profile
 
 NAMES = """
 Accuracy AskedDerivatives Body Check ComplianceFriction Contact ContactPoints CoulombFriction
-Cycles Damping Discretisation Exploration FatigueLimits FenicsContactError Fit FormulaFriction
-Fretting Group HalfSpace InputError Jumps Load Material Measured MeshSource MicroSlipFriction
-Modes Motion MotionModes NoEquilibriumError NonlocalFriction NormalCompliance NotConvergedError
-Objective Obstacle OrthotropicFriction OwnEnergy OwnFriction OwnFrictionLaw OwnNormalLaw Path
-Point Preload PressureDependentFriction PressureFormula Profile Rayleigh Result Run Scene
-SlipDependentFriction SolverSettings SpeedDependentFriction Stability Steps StrainLifeLine Study
-Support Units UserContactEnergy UserFriction Wear WornCycle allow_laws fit load_scene main run
-run_and_keep run_script
+CycleJump Cycles Damping DerivativeRequest Discretisation Exploration FatigueLimits
+FenicsContactError Fit FormulaFriction Fretting Group HalfSpace InputError Jumps Load Material
+Measured MeshSource MicroSlipFriction Modes Motion MotionModes NoEquilibriumError NonlocalFriction
+NormalCompliance NotConvergedError Objective Obstacle OrthotropicFriction OwnEnergy OwnFriction
+OwnFrictionLaw OwnNormalLaw Path Point Preload PressureDependentFriction PressureFormula Profile
+Rayleigh Result Run Scene SlipDependentFriction SolverSettings SpeedDependentFriction Stability
+Steps StrainLifeLine Study Support Units UserContactEnergy UserFriction Wear WearCycle WornCycle
+allow_laws fit load_scene main run run_and_keep run_script run_with_fields
 """
 # Keys of the tables of a scene, in the order in which Python takes their values.
 KEYS = """
 Accuracy: main normal_force pressure_integral friction_force contact_force reaction
     max_contact_pressure contact_area stick_area slip_area contact_radius stick_radius max_slip
     indentation strain_energy external_work friction_work of max_levels max_dofs
-AskedDerivatives: of by
+DerivativeRequest: of by
 ComplianceFriction: kind coefficient exponent
 Contact: on pressure pressure_path name contact obstacle against slave penalty_parameter
     foundation_stiffness normal_law interference interference_path wear law friction_coefficient
@@ -36,7 +38,7 @@ FatigueLimits: torsion tension
 FormulaFriction: kind bound parameters
 Fretting: depth begin limits life
 HalfSpace: on
-Jumps: pressure_change error fixed
+CycleJump: pressure_change error fixed
 Load: on traction pressure body_force path
 Material: youngs_modulus poissons_ratio stiffness on density
 MeshSource: file parameters cell order size sizes curvature time_limit groups name
@@ -88,9 +90,24 @@ def test_every_public_name_is_kept():
     assert [name for name in NAMES.split() if not hasattr(fenics_contact, name)] == []
 
 
-def test_earlier_names_are_those_of_the_same_classes():
-    assert fenics_contact.OwnFriction is fenics_contact.UserFriction
-    assert fenics_contact.OwnEnergy is fenics_contact.UserContactEnergy
+@pytest.mark.parametrize(
+    ("earlier", "present"),
+    [
+        ("AskedDerivatives", "DerivativeRequest"),
+        ("Jumps", "CycleJump"),
+        ("OwnEnergy", "UserContactEnergy"),
+        ("OwnFriction", "UserFriction"),
+        ("WornCycle", "WearCycle"),
+        ("run_and_keep", "run_with_fields"),
+    ],
+)
+def test_an_earlier_name_is_that_of_the_same_thing(earlier, present):
+    assert getattr(fenics_contact, earlier) is getattr(fenics_contact, present)
+    assert earlier not in fenics_contact.__all__
+
+
+def test_a_study_wears_by_the_earlier_name():
+    assert fenics_contact.Study.worn is fenics_contact.Study.wear_cycles
 
 
 def test_every_key_of_a_scene_is_kept_in_its_order():

@@ -10,7 +10,7 @@ from fenics_contact import Modes, Run, run
 from fenics_contact.cli import commands
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt
-from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.scene.asked.derivatives import DerivativeRequest
 from fenics_contact.simulation import asked_of_answer, end_of_run, scene_run, verdict
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.restart.state_file import StateFile
@@ -42,7 +42,7 @@ def found_of(folder):
 def solved(folder):
     """A block whose derivatives are asked for, too, by files."""
     scene, comm, body = pressed()
-    scene = replace(scene, derivatives=AskedDerivatives(("strain_energy",), (BY,)))
+    scene = replace(scene, derivatives=DerivativeRequest(("strain_energy",), (BY,)))
     result = files.solve_and_write(Run(scene, comm, body), folder)
     comm.Barrier()
     written = found_of(folder)
@@ -56,7 +56,7 @@ PIECES = {
     "mesh": (estimates, "mesh_errors", "The error by the mesh was not estimated: "),
     "iterations": (estimates, "iteration_errors", "The error by the iterations was not "),
     "corners": (budget, "Unbounded", "Errors were not estimated: "),
-    "others": (end_of_run, "look_around", "It was not found whether the answer is the only one"),
+    "others": (end_of_run, "search_other_solutions", "It was not found whether the answer is "),
     "strains": (LinearRange, "of", "The range of linear theory was not checked: "),
     "derivatives": (asked_of_answer, "asked_derivatives", "No derivatives: "),
     "tolerances": (asked_of_answer, "uncertainties", "No uncertainties: "),
@@ -67,7 +67,7 @@ PIECES = {
 
 
 ASKED = {
-    "derivatives": {"derivatives": AskedDerivatives(("normal_force",), (BY,))},
+    "derivatives": {"derivatives": DerivativeRequest(("normal_force",), (BY,))},
     "modes": {"modes": Modes(number=2)},
 }
 NOT_OF_ANSWER = ("derivatives", "uncertainty", "modes", "damping", "timings", "verdict")

@@ -12,10 +12,10 @@ _Names = tuple[Text, ...]
 
 
 @scene_class
-class AskedDerivatives:
+class DerivativeRequest:
     """Derivatives of quantities in numbers of the scene, which a run is to find.
 
-    >>> AskedDerivatives(of=("normal_force",)).by is None
+    >>> DerivativeRequest(of=("normal_force",)).by is None
     True
     """
 

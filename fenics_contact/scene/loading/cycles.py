@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
-from fenics_contact.scene.loading.jumps import Jumps
+from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.values import Integer, Number, Positive, Repetition, scene_class
 
 
@@ -64,7 +64,7 @@ class Cycles:
         Field(description="fields are written of load `steps`, or of the ends of `cycles` only"),
     ] = "steps"
     jumps: Annotated[
-        Jumps | None,
+        CycleJump | None,
         Field(
             description="where a contact wears: how far cycles may be passed over, `{}` for what "
             "is usual; by default none is"

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 @scene_class
-class Jumps:
+class CycleJump:
     """How far cycles that wear are passed over, by what those that are computed wear.
 
-    >>> Jumps().pressure_change, Jumps(error=0.001).error
+    >>> CycleJump().pressure_change, CycleJump(error=0.001).error
     (0.2, 0.001)
     """
 

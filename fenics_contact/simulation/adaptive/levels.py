@@ -39,7 +39,6 @@ from fenics_contact.scene.quantity_names import in_words
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.adaptive.fine_enough import finer_there, first_run
 from fenics_contact.simulation.adaptive.goals import GoalFinder
-from fenics_contact.simulation.adaptive.mesh_wish import MeshWish, UsedUpError
 from fenics_contact.simulation.adaptive.next_mesh import hindrance
 from fenics_contact.simulation.adaptive.relative_errors import (
     is_met,
@@ -47,8 +46,9 @@ from fenics_contact.simulation.adaptive.relative_errors import (
     others_than_mesh,
     relative_errors,
 )
+from fenics_contact.simulation.adaptive.target_mesh_size import BudgetExceededError, TargetMeshSize
 from fenics_contact.simulation.adaptive.targets import asked_of, balanced
-from fenics_contact.simulation.adaptive.transfer import moved_over
+from fenics_contact.simulation.adaptive.transfer import transfer_state
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.trust.convergence.level_history import LevelHistory, said, without_bars
@@ -128,7 +128,7 @@ class AdaptiveRun:
                 return self._done(last, reason)
             try:
                 found = self._tried("the next mesh failed", partial(self._next_run, errors, result))
-            except UsedUpError as error:
+            except BudgetExceededError as error:
                 return self._done(last, str(error))
             except StoppedError:
                 return self._interrupted(last)
@@ -138,12 +138,12 @@ class AdaptiveRun:
                 return self._with_levels(last, found)
             run = found
             if not run.scene.load_steps.several and self.run.end.last is not None:
-                guess = moved_over(self.run.problem, run.problem, self.run.end.last)
+                guess = transfer_state(self.run.problem, run.problem, self.run.end.last)
 
     def _tried(self, missing: str, action: Callable[[], T]) -> T | str:
         """What comes of it where there is an answer; of a fault, what is missing; collective."""
         notes: list[str] = []
-        expected = FenicsContactError, UsedUpError
+        expected = FenicsContactError, BudgetExceededError
         found = attempt(self.run.problem.comm, missing, action, None, notes, expected)
         return notes[0].removesuffix(".") if found is None else found
 
@@ -254,8 +254,8 @@ class AdaptiveRun:
         else:
             goals = self._goals.found
             if goals is None:
-                raise UsedUpError("it was not found which cells are to be smaller")
-            wish = MeshWish(self.run, self.levels, self.asked, errors, goals)
+                raise BudgetExceededError("it was not found which cells are to be smaller")
+            wish = TargetMeshSize(self.run, self.levels, self.asked, errors, goals)
             body = wish.mesh(self._has_own_body)
             scene = balanced(scene, result, errors, self.asked)
         self._between = from_root(comm, time.perf_counter() - began)
@@ -349,10 +349,10 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
     >>> abs(force / exact - 1) < 0.01
     True
     """
-    return run_and_keep(scene, comm, body)[0]
+    return run_with_fields(scene, comm, body)[0]
 
 
-def run_and_keep(
+def run_with_fields(
     scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
 ) -> tuple[Result, Run]:
     """As ``run``, and what was run, whose ``fields`` are functions of dolfinx; collective.

@@ -22,8 +22,8 @@ _RIDGE = 1e-9
 _AT_ONCE = 20_000  # nodes, so that the stencils do not fill the memory
 
 
-def moved_over(old: Problem, new: Problem, unknowns: Unknowns) -> Unknowns:
-    """The state of a load step on another mesh; collective.
+def transfer_state(old: Problem, new: Problem, unknowns: Unknowns) -> Unknowns:
+    """Interpolate the state of a load step onto another mesh; collective.
 
     Args:
         old: On whose mesh it was found.

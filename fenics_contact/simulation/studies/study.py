@@ -14,7 +14,7 @@ from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
-from fenics_contact.scene.loading.jumps import Jumps
+from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.scene_run import Run
@@ -27,8 +27,8 @@ from fenics_contact.simulation.studies.saved_body import SavedBody, save_body, t
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.simulation.studies.solved_history import History, solved_history
 from fenics_contact.simulation.vibration.vibration import Vibration, vibration_of
-from fenics_contact.simulation.worn.worn_cycle import WornCycle, one_cycle
-from fenics_contact.simulation.worn.worn_cycles import WornCycles
+from fenics_contact.simulation.worn.wear_cycle import WearCycle, one_cycle
+from fenics_contact.simulation.worn.wear_cycles import WearCycles
 from fenics_contact.simulation.worn.worn_files import WornFiles
 
 if TYPE_CHECKING:
@@ -323,14 +323,14 @@ class Study:
         with failing_together(self.comm):
             return solved_history(self._body_of(scene), scene, of, by, is_judged, is_whole)
 
-    def worn(
+    def wear_cycles(
         self,
         begin: float | None = None,
         cycles: int | None = None,
-        jumps: Jumps | None = None,
+        jumps: CycleJump | None = None,
         changes: Changes = None,
         folder: str | Path | None = None,
-    ) -> Iterator[WornCycle]:
+    ) -> Iterator[WearCycle]:
         """Wear over many cycles of loads, most of which are passed over; collective.
 
         They are those of the scene's ``cycles``. Where it has none, its load steps lead to the
@@ -359,12 +359,14 @@ class Study:
             said = None if scene.cycles is None else scene.cycles.jumps
             once, begin, cycles = one_cycle(scene, begin, cycles)
             with self._body_of(once).stepping(once, Timings()) as (load_steps, _):
-                cycling = WornCycles(load_steps, begin, jumps or said or Jumps())
+                cycling = WearCycles(load_steps, begin, jumps or said or CycleJump())
                 files = None if folder is None else WornFiles(self.comm, Path(folder))
                 for cycle in cycling.run(cycles):
                     if files is not None:
                         files.add(cycle)
                     yield cycle
+
+    worn = wear_cycles  # its earlier name, which scripts of users have
 
     def vibration(self, changes: Changes = None) -> Vibration:
         """Modes about the last state of the scene, and what joints damp of them; collective.

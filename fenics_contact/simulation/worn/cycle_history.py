@@ -10,14 +10,14 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.quantities.names import EXTERNAL_WORK
 from fenics_contact.results.records.cycles import CycleEnd, WornCycleEnd
 from fenics_contact.simulation.step_history import StepHistory
-from fenics_contact.simulation.worn.worn_cycle import WornCycle
+from fenics_contact.simulation.worn.wear_cycle import WearCycle
 from fenics_contact.solve.newton.solution import Solution
 
 
 class CycleHistory(StepHistory[BulkForces]):
     """The cycles that were computed; friction work is that of all, what else works is not known."""
 
-    def add_cycle(self, time: float, solution: Solution, cycle: WornCycle) -> None:
+    def add_cycle(self, time: float, solution: Solution, cycle: WearCycle) -> None:
         """Keep what came out of a cycle, in whose end all is; collective.
 
         Args:

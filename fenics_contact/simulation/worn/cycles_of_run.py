@@ -13,7 +13,7 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.restart.state_file import SavedRun
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.rates import Progress, Rates
-from fenics_contact.simulation.worn.worn_cycles import WornCycles, with_depths
+from fenics_contact.simulation.worn.wear_cycles import WearCycles, with_depths
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -76,7 +76,7 @@ class CyclesOfRun:
             StoppedError: The run is to end.
         """
         repetition, contacts = self._cycles.repetition, load_steps.problem.contacts
-        worn = WornCycles(load_steps, repetition.begin, self._jumps, self._progress)
+        worn = WearCycles(load_steps, repetition.begin, self._jumps, self._progress)
         for cycle in worn.run(repetition.number):
             assert worn.progress is not None
             solution = with_depths(contacts, worn.progress.rates)

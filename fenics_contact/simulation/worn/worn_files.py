@@ -21,7 +21,7 @@ from fenics_contact.quantities.names import (
     STICK_AREA,
     WORN_VOLUME,
 )
-from fenics_contact.simulation.worn.worn_cycle import WornCycle
+from fenics_contact.simulation.worn.wear_cycle import WearCycle
 
 #: A row a cycle that was computed.
 HISTORY = "wear.csv"
@@ -51,7 +51,7 @@ class WornFiles:
 
         self._is_begun = on_root(comm, begin)
 
-    def add(self, cycle: WornCycle) -> None:
+    def add(self, cycle: WearCycle) -> None:
         """Append a cycle.
 
         Args:
@@ -93,7 +93,7 @@ def _kept(path: Path, last: int) -> bool:
     return bool(kept)
 
 
-def _row(cycle: WornCycle) -> dict[str, Any]:
+def _row(cycle: WearCycle) -> dict[str, Any]:
     return {
         "cycle": cycle.number,
         "passed_over": cycle.passed_over,
@@ -108,7 +108,7 @@ def _row(cycle: WornCycle) -> dict[str, Any]:
     }
 
 
-def _of_contacts(cycle: WornCycle) -> Mapping[str, Any]:
+def _of_contacts(cycle: WearCycle) -> Mapping[str, Any]:
     """Of the only contact by their names, of several by the contact's number as well."""
     row: dict[str, Any] = {}
     several = len(cycle.contacts) > 1
@@ -120,7 +120,7 @@ def _of_contacts(cycle: WornCycle) -> Mapping[str, Any]:
     return row
 
 
-def _profiles(cycle: WornCycle) -> Iterator[dict[str, Any]]:
+def _profiles(cycle: WearCycle) -> Iterator[dict[str, Any]]:
     points = cycle.points
     for place, where in enumerate(points.coordinates.tolist()):
         yield {

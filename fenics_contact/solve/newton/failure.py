@@ -30,7 +30,7 @@ _LATEST = 20
 # Of the forces: an imbalance that may be round-off.
 _SMALL_REST = 1e-3
 # Of the forces: an imbalance that is round-off, and yet makes an answer worthless.
-_DROWNED = 2e-3
+_OUT_OF_BALANCE = 2e-3
 _RUNAWAY = 1e3  # of the body's size
 
 
@@ -94,7 +94,7 @@ def runaway(problem: Problem, system: System) -> str | None:
     )
 
 
-def drowned(problem: Problem, left: float, forces: float) -> str | None:
+def lost_in_roundoff(problem: Problem, left: float, forces: float) -> str | None:
     """No answer is one of which round-off in the stiff springs leaves a part open; collective.
 
     Round-off is accepted as such by the size of the springs, not of the forces.
@@ -109,7 +109,7 @@ def drowned(problem: Problem, left: float, forces: float) -> str | None:
     """
     pushing = [contact for contact in problem.contacts if contact.is_one_sided]
     touches = any([largest(problem.comm, contact.pressure()) > 0 for contact in pushing])
-    if not touches or left <= _DROWNED * forces or forces <= 0:
+    if not touches or left <= _OUT_OF_BALANCE * forces or forces <= 0:
         return None
     if all_round_off(problem.contacts, forces):  # moved along: there is nothing to drown
         return None

@@ -32,7 +32,7 @@ from fenics_contact.solve.newton.failure import (
     NO_SOLVE,
     NO_STEP_FOUND,
     NOT_A_NUMBER,
-    drowned,
+    lost_in_roundoff,
     not_converged,
     runaway,
 )
@@ -151,7 +151,7 @@ class Newton:
             left, forces = self.imbalances[-1], self.system.forces
             words = runaway(self.problem, self.system)
             if words is None and left > self._tolerance * forces:  # round-off, as it was taken
-                words = drowned(self.problem, left, forces)
+                words = lost_in_roundoff(self.problem, left, forces)
             if words is not None:
                 raise NotConvergedError(words, tuple(self.imbalances))
 

@@ -65,7 +65,7 @@ class OtherAnswers:
         )
 
 
-def look_around(load_steps: LoadSteps) -> OtherAnswers:
+def search_other_solutions(load_steps: LoadSteps) -> OtherAnswers:
     """Estimate limits of uniqueness, and look for other answers if the scene asks; collective.
 
     Args:

@@ -11,14 +11,14 @@ import numpy as np
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.wear import Wear
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.loading.jumps import Jumps
+from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import SolverSettings, Steps
 from fenics_contact.scene.values import CONSTANT, Path
 from fenics_contact.simulation.studies.study import Study
-from fenics_contact.simulation.worn.worn_cycle import WornCycle
+from fenics_contact.simulation.worn.wear_cycle import WearCycle
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.case import Case, Finding, note_mesh
 
@@ -42,11 +42,11 @@ def _rubbed(obstacle: Obstacle, stiffness: float, wear: Wear, **more: Any) -> Sc
     )
 
 
-def _last(scene: Scene, cells: tuple[int, int], cycles: int, jumps: Jumps) -> WornCycle:
+def _last(scene: Scene, cells: tuple[int, int], cycles: int, jumps: CycleJump) -> WearCycle:
     body = boxes((Box("block", (0, 0), (2, 1), cells),))
     study = Study(scene, body.mesh.comm, body)
     note_mesh(study.prepare().model)
-    return list(study.worn(1.0, cycles, jumps))[-1]
+    return list(study.wear_cycles(1.0, cycles, jumps))[-1]
 
 
 def _volume(quick: bool) -> Iterator[Finding]:
@@ -55,7 +55,7 @@ def _volume(quick: bool) -> Iterator[Finding]:
     plane = Obstacle("plane", position=(0, 1), normal=(0.01, -1), indentation=0.03, path=CONSTANT)
     scene = _rubbed(plane, 1000.0, wear, friction_coefficient=_COEFFICIENT)
     for cycles in (1, 40):
-        found = _last(scene, (8, 4), cycles, Jumps())
+        found = _last(scene, (8, 4), cycles, CycleJump())
         expected = 2e-5 / _COEFFICIENT * found.friction_work
         yield Finding(f"worn_volume, cycle {cycles}", found.worn_volume, expected, 1e-8)
 
@@ -68,7 +68,7 @@ def _springs(quick: bool) -> Iterator[Finding]:
     scene = _rubbed(plane, 1e9, wear, foundation_stiffness=_SPRING)
     expected, off = _SPRING * _DEPTH * np.exp(-1), {}
     for jumps in (5, 10, 100):
-        found = _last(scene, (2, 1), cycles, Jumps(fixed=cycles // jumps))
+        found = _last(scene, (2, 1), cycles, CycleJump(fixed=cycles // jumps))
         pressure = float(found.points.contact_pressure.max())
         off[jumps] = abs(pressure - expected)
     yield Finding("contact_pressure, 100 jumps", pressure, expected, 1e-4)
@@ -86,8 +86,8 @@ def _punch(quick: bool) -> Iterator[Finding]:
         path=Path(time=(0, 1), factor=(0, 1)),
     )
     scene = _rubbed(plane, 1000.0, Wear(5e-5))
-    begun = _last(scene, (8, 4), 1, Jumps()).points.contact_pressure
-    found = _last(scene, (8, 4), 200, Jumps()).points.contact_pressure
+    begun = _last(scene, (8, 4), 1, CycleJump()).points.contact_pressure
+    found = _last(scene, (8, 4), 200, CycleJump()).points.contact_pressure
     even = _FORCE / 2.0
     uneven = float(np.abs(begun / even - 1).max())
     left = float(np.abs(found / even - 1).max())

@@ -15,11 +15,11 @@ import numpy as np
 from fenics_contact.analytic import fretting_limit
 from fenics_contact.common.arrays import Array
 from fenics_contact.scene.laws.wear import Wear
-from fenics_contact.scene.loading.jumps import Jumps
+from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.scene import Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.simulation.studies.study import Study
-from fenics_contact.simulation.worn.worn_cycle import WornCycle
+from fenics_contact.simulation.worn.wear_cycle import WearCycle
 from fenics_contact.verification.case import Case, Finding, note_mesh
 from fenics_contact.verification.published.shear import HERTZ, shear_share, sheared_scene, shift
 
@@ -30,7 +30,7 @@ _MESH = {"fine": 1.5, "size": 0.25, "cells_outside": 3}
 # little from one to another. The way there does not matter: jumps are as long as the
 # pressure lets them be, whatever their error.
 _CYCLES = 1000
-_JUMPS = Jumps(pressure_change=0.3, error=10.0)
+_JUMPS = CycleJump(pressure_change=0.3, error=10.0)
 _WEAR = Wear(1.2e-3)
 # Parts of the deepest wear between which the profile tells where it ends.
 _SHALLOW, _DEEP = 0.04, 0.7
@@ -64,7 +64,7 @@ def rubbed_scene(stick: float) -> Scene:
     )
 
 
-def compared(first: WornCycle, last: WornCycle) -> Iterator[Finding]:
+def compared(first: WearCycle, last: WearCycle) -> Iterator[Finding]:
     """A worn contact beside the limit at what sticks in it.
 
     Args:
@@ -99,7 +99,7 @@ def worn_radius(radius: Array, depth: Array) -> float:
 def _limit(quick: bool) -> Iterator[Finding]:
     study = Study(rubbed_scene(_STICK))
     note_mesh(study.prepare().model)
-    every = list(study.worn(2.0, _CYCLES, _JUMPS))
+    every = list(study.wear_cycles(2.0, _CYCLES, _JUMPS))
     yield from compared(every[0], every[-1])
 
 

@@ -12,7 +12,7 @@ from math import sqrt
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
 from fenics_contact.results.records.record import Quantities
-from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.scene.asked.derivatives import DerivativeRequest
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import HalfSpace, Obstacle
@@ -100,7 +100,7 @@ def _slope(share: float) -> Finding:
     key, cells = "contact.0.friction_coefficient", {"fine": 1.25, "size": 0.125, "cells_outside": 5}
     scene = sheared_scene(share, **cells)
     solver = replace(scene.solver, errors="none")
-    asked = AskedDerivatives(("friction_force_x",), (key,))
+    asked = DerivativeRequest(("friction_force_x",), (key,))
     result = solved(replace(scene, solver=solver, derivatives=asked))
     found = result.derivatives["friction_force_x"][key].value
     left = (1 - share) ** (1 / 3)

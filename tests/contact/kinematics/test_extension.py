@@ -7,8 +7,8 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import (
-    AskedDerivatives,
     Contact,
+    DerivativeRequest,
     InputError,
     Material,
     Obstacle,
@@ -115,7 +115,7 @@ def test_its_force_is_that_of_its_curvature():
 
 
 def test_forces_have_derivatives_by_its_numbers():
-    asked = AskedDerivatives(of=("normal_force",), by=BY)
+    asked = DerivativeRequest(of=("normal_force",), by=BY)
     found = run(pressed("ellipse", HALF_AXIS, derivatives=asked), COMM, square()).derivatives
 
     def force(radius, depth):

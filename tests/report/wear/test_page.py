@@ -14,7 +14,7 @@ from fenics_contact.report.wear.page import write_wear_page
 from fenics_contact.report.wear.pictures import kinds_of
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.simulation.output import run_folder
-from fenics_contact.simulation.worn.worn_cycle import WornCycle
+from fenics_contact.simulation.worn.wear_cycle import WearCycle
 from fenics_contact.simulation.worn.worn_files import WornFiles
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
@@ -56,7 +56,7 @@ def cycle(number, passed_over, in_space=False, contacts=1, slope=0.01):
     smooth = {**found, "worn_volume": 0.0, "max_wear_depth": 0.0}
     errors = {"worn_volume": 1e-5 * passed_over, "max_wear_depth": 5e-6 * passed_over}
     every = [found, *(smooth for _ in range(contacts - 1))]
-    return WornCycle(
+    return WearCycle(
         number=number,
         passed_over=passed_over,
         pressure_change=0.1,

@@ -23,7 +23,7 @@ from fenics_contact import (
     load_scene,
     main,
     run,
-    run_and_keep,
+    run_with_fields,
 )
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.mesh.loading import load_body
@@ -37,7 +37,7 @@ from fenics_contact.mesh.size_field import (
     graded,
     next_sizes,
 )
-from fenics_contact.simulation.adaptive import mesh_wish
+from fenics_contact.simulation.adaptive import target_mesh_size
 from fenics_contact.simulation.adaptive import targets as accuracy_asked
 from fenics_contact.simulation.adaptive.levels import AdaptiveRun
 from fenics_contact.simulation.adaptive.transfer import fitted
@@ -298,7 +298,7 @@ def test_failure_keeps_the_last_level(folder, monkeypatch):
     def fail(*arguments):
         raise InputError("Gmsh says: no")
 
-    monkeypatch.setattr(mesh_wish, "next_mesh", fail)
+    monkeypatch.setattr(target_mesh_size, "next_mesh", fail)
     scene = load_scene(SPHERE, ["contact.0.friction_coefficient=0", "accuracy=1e-4", *COARSE])
     found = files.solve_levels_and_write(Run(scene, COMM), folder)
     assert found.exit_code == 3
@@ -358,7 +358,7 @@ def test_bare_triangles_reach_an_accuracy():
         support=(Support("y0", {"x": 0, "y": 0}), Support("y1", {"x": 0, "y": -0.01})),
         accuracy=Accuracy(strain_energy=2e-3),
     )
-    found, kept = run_and_keep(scene, COMM, body)
+    found, kept = run_with_fields(scene, COMM, body)
     assert found.accuracy["reached"]
     fine = run(dataclasses.replace(scene, accuracy=None), COMM, box_body((40, 40), (1, 1)))
     energy = found.quantities["strain_energy"]

@@ -24,7 +24,7 @@ from fenics_contact import (
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.words.derivatives import notes_on_derivatives
-from fenics_contact.scene.asked.derivatives import AskedDerivatives
+from fenics_contact.scene.asked.derivatives import DerivativeRequest
 from fenics_contact.simulation.asked_derivatives.asked import _derivative
 from fenics_contact.simulation.asked_derivatives.means import Mean
 from fenics_contact.simulation.asked_derivatives.windows import Window
@@ -49,7 +49,7 @@ RADIUS = "contact.0.obstacle.radius"
 
 def asking(scene, of, by=None):
     solver = dataclasses.replace(scene.solver, errors="none")
-    return dataclasses.replace(scene, derivatives=AskedDerivatives(of, by), solver=solver)
+    return dataclasses.replace(scene, derivatives=DerivativeRequest(of, by), solver=solver)
 
 
 def test_of_a_sphere_without_friction_they_are_those_of_hertz():
@@ -299,7 +299,7 @@ def test_what_has_none_is_refused_before_anything_is_solved(of, by, said):
 @pytest.mark.parametrize("of", [(), ("normal_force", "normal_force")])
 def test_quantities_are_named_once(of):
     with pytest.raises(InputError, match=r"of"):
-        AskedDerivatives(of)
+        DerivativeRequest(of)
 
 
 @pytest.mark.serial

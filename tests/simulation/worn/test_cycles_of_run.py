@@ -8,9 +8,9 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import (
+    CycleJump,
     Cycles,
     InputError,
-    Jumps,
     Path,
     Run,
     SolverSettings,
@@ -26,11 +26,11 @@ from fenics_contact.results.words.cycles import cycle_rows
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.simulation.restart.state_file import StateFile
-from tests.contact.wear.test_worn_cycles import fretting
+from tests.contact.wear.test_wear_cycles import fretting
 from tests.scenes import ROOT, box_body
 
 COMM = MPI.COMM_WORLD
-CYCLES = Cycles(begin=1, end=5, number=14, increments=8, jumps=Jumps(error=0.05))
+CYCLES = Cycles(begin=1, end=5, number=14, increments=8, jumps=CycleJump(error=0.05))
 
 
 def scene(**changes):
@@ -79,7 +79,7 @@ def whole(tmp_path_factory):
 def test_a_run_passes_over_the_cycles_that_a_study_does(whole):
     result, folder = whole
     assert result.passed, result.verdict
-    expected = list(Study(fretting(), COMM, body()).worn(1.0, 14, CYCLES.jumps))
+    expected = list(Study(fretting(), COMM, body()).wear_cycles(1.0, 14, CYCLES.jumps))
     found, last = result.cycles, expected[-1]
     assert [one.number for one in found.each] == [one.number for one in expected]
     assert found.computed == len(expected) < 14 == found.number
@@ -128,7 +128,7 @@ def test_one_that_was_stopped_goes_on(whole, tmp_path):
         for name in names:
             assert float(row[name]) == pytest.approx(float(other[name]), rel=1e-6), name
     assert ran(folder, scene()) is None
-    more = ran(folder, scene(number=20, jumps=Jumps(error=0.1)))
+    more = ran(folder, scene(number=20, jumps=CycleJump(error=0.1)))
     assert more.cycles.each[-1].number == 20
     assert more.quantities["worn_volume"] > found.quantities["worn_volume"]
 
@@ -189,10 +189,10 @@ def test_jumps_need_wear_and_a_run():
     smooth = dataclasses.replace(scene().contact[0], wear=None)
     with pytest.raises(SceneError, match=r"cycles\.jumps: no contact wears"):
         dataclasses.replace(scene(), contact=(smooth,))
-    with pytest.raises(SceneError, match=r"Jumps: fixed = 2\.5: must be a whole number"):
-        Jumps(fixed=2.5)
-    with pytest.raises(SceneError, match="Jumps: error = '1 %'"):
-        Jumps(error="1 %")
+    with pytest.raises(SceneError, match=r"CycleJump: fixed = 2\.5: must be a whole number"):
+        CycleJump(fixed=2.5)
+    with pytest.raises(SceneError, match="CycleJump: error = '1 %'"):
+        CycleJump(error="1 %")
     with pytest.raises(InputError, match=r"cycles\.jumps: here each load step is computed"):
         Study(scene(), COMM, body()).quantities()
 
@@ -202,7 +202,7 @@ def test_a_scene_with_jumps_is_written_and_read_again(tmp_path):
     contact = dataclasses.replace(own.contact[0], law="incremental", wear=Wear(1e-5))
     path = Path(time=(0, 1, 2, 3), factor=(0, 1, -1, 1))
     load = dataclasses.replace(own.load[0], path=path)
-    cycles = Cycles(begin=1, end=3, number=100_000, increments=40, jumps=Jumps(error=0.02))
+    cycles = Cycles(begin=1, end=3, number=100_000, increments=40, jumps=CycleJump(error=0.02))
     worn = dataclasses.replace(
         own, contact=(contact,), load=(load,), steps=Steps(number=2), cycles=cycles
     )

@@ -9,9 +9,9 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
+    CycleJump,
     Cycles,
     InputError,
-    Jumps,
     Material,
     Obstacle,
     Path,
@@ -59,7 +59,7 @@ def study_of(scene, cells=(2, 1), sizes=(2, 1)):
 
 
 def last_of(study, cycles, jumps=None):
-    return list(study.worn(1.0, cycles, jumps))[-1]
+    return list(study.wear_cycles(1.0, cycles, jumps))[-1]
 
 
 def test_springs_follow_the_exponential_at_second_order():
@@ -68,7 +68,7 @@ def test_springs_follow_the_exponential_at_second_order():
     k = 1 / (SPRING * WAY * cycles)
     study = study_of(on_springs(k))
     for jumps in (5, 10, 50):
-        last = last_of(study, cycles, Jumps(fixed=cycles // jumps))
+        last = last_of(study, cycles, CycleJump(fixed=cycles // jumps))
         assert last.number == cycles
         off = last.points.contact_pressure - SPRING * DEPTH * np.exp(-1)
         found[jumps] = np.abs(off).max() / (SPRING * DEPTH * np.exp(-1))
@@ -79,7 +79,7 @@ def test_springs_follow_the_exponential_at_second_order():
 
 def test_where_all_slips_the_volume_is_that_of_the_work():
     scene = on_springs(1e-6, **ROUGH)
-    every = list(study_of(scene).worn(1.0, 500))
+    every = list(study_of(scene).wear_cycles(1.0, 500))
     assert len(every) < 50
     assert [cycle.number for cycle in every] == sorted({cycle.number for cycle in every})
     assert sum(1 + cycle.passed_over for cycle in every) == 500 == every[-1].number
@@ -117,8 +117,8 @@ def fretting(increments=8):
 def test_cycles_that_are_passed_over_are_worn_as_if_they_were_not():
     """Partial slip: within the estimated error of what all cycles give; the middle stays."""
     study = study_of(fretting(), (24, 5), (1, 1))
-    whole = last_of(study, 14, Jumps(fixed=1))
-    every = list(study.worn(1.0, 14, Jumps(error=0.05)))
+    whole = last_of(study, 14, CycleJump(fixed=1))
+    every = list(study.wear_cycles(1.0, 14, CycleJump(error=0.05)))
     last = every[-1]
     assert len(every) < 10
     for name in ("max_wear_depth", "worn_volume"):
@@ -145,7 +145,7 @@ def test_cycles_of_one_are_those_of_a_run():
         steps=Steps(number=13, end=13),
     )
     expected = Run(whole, COMM, box_body((2, 1), (2, 1))).solve()
-    found = last_of(study_of(scene), 3, Jumps(fixed=1))
+    found = last_of(study_of(scene), 3, CycleJump(fixed=1))
     # Each cycle begins with the gap that all before left; in the run, steps lag behind by one.
     assert found.worn_volume == pytest.approx(expected.quantities["worn_volume"], rel=0.05)
     assert found.friction_work == pytest.approx(expected.quantities["friction_work"], rel=0.05)
@@ -155,8 +155,8 @@ def test_cycles_of_the_scene_are_taken():
     scene = on_springs(1e-5, law="incremental")
     said = Cycles(begin=1, end=5, number=6, increments=4, until="end")
     scene = dataclasses.replace(scene, cycles=said, steps=Steps(times=(1.0, 5.0)))
-    found = list(study_of(scene).worn(jumps=Jumps(fixed=2)))
-    expected = list(study_of(on_springs(1e-5)).worn(1.0, 6, Jumps(fixed=2)))
+    found = list(study_of(scene).wear_cycles(jumps=CycleJump(fixed=2)))
+    expected = list(study_of(on_springs(1e-5)).wear_cycles(1.0, 6, CycleJump(fixed=2)))
     assert [cycle.number for cycle in found] == [1, 3, 5, 6]
     for one, other in zip(found, expected, strict=True):
         assert one.worn_volume == pytest.approx(other.worn_volume, rel=1e-9)
@@ -175,7 +175,8 @@ def test_what_the_way_to_the_first_cycle_wears_is_worn_once():
         contact=(dataclasses.replace(contact, obstacle=plane),),
         steps=Steps(times=(0.25, 0.5, 1, 2, 4, 5)),
     )
-    each, far = (list(study_of(scene).worn(1.0, 11, Jumps(fixed=n)))[-1] for n in (1, 10))
+    jumps = (CycleJump(fixed=count) for count in (1, 10))
+    each, far = (list(study_of(scene).wear_cycles(1.0, 11, jump))[-1] for jump in jumps)
     in_cycles = 11 * 1e-9 * SPRING * DEPTH * 2 * WAY
     assert each.worn_volume > 1.1 * in_cycles
     assert far.worn_volume == pytest.approx(each.worn_volume, rel=1e-6)
@@ -184,7 +185,7 @@ def test_what_the_way_to_the_first_cycle_wears_is_worn_once():
 
 def test_tables_of_the_cycles(folder):
     """They have the cycles that were computed before the last was asked for."""
-    cycles, done = study_of(on_springs(1e-5, **ROUGH)).worn(1.0, 50, folder=folder), []
+    cycles, done = study_of(on_springs(1e-5, **ROUGH)).wear_cycles(1.0, 50, folder=folder), []
     for cycle in cycles:
         done.append(cycle)
         if len(done) == 4:
@@ -212,18 +213,18 @@ def test_tables_of_the_cycles(folder):
 def test_what_is_no_cycle_is_refused():
     scene = on_springs(1e-6)
     with pytest.raises(InputError, match=r"begin = 0\.5: a cycle begins at the end of a load step"):
-        list(study_of(scene).worn(0.5, 3))
+        list(study_of(scene).wear_cycles(0.5, 3))
     smooth = dataclasses.replace(scene, contact=(dataclasses.replace(scene.contact[0], wear=None),))
     with pytest.raises(InputError, match=r"contact\.wear is missing"):
-        list(study_of(smooth).worn(1.0, 3))
+        list(study_of(smooth).wear_cycles(1.0, 3))
     with pytest.raises(InputError, match="the scene has no"):
-        list(study_of(scene).worn())
+        list(study_of(scene).wear_cycles())
     with pytest.raises(InputError, match="cycles = 0: must be >= 1"):
-        list(study_of(scene).worn(1.0, 0))
+        list(study_of(scene).wear_cycles(1.0, 0))
     with pytest.raises(InputError, match=r"_path gives 0 at begin, 1, and -1 at end, 4"):
-        list(study_of(dataclasses.replace(scene, steps=Steps(times=(1, 2, 4)))).worn(1.0, 3))
+        list(study_of(dataclasses.replace(scene, steps=Steps(times=(1, 2, 4)))).wear_cycles(1.0, 3))
     said = Cycles(begin=1, end=5, until="end", increments=4)
     with pytest.raises(InputError, match="begin = 0: a cycle begins at the end of a load step"):
-        list(study_of(dataclasses.replace(scene, cycles=said)).worn(begin=0.0))
+        list(study_of(dataclasses.replace(scene, cycles=said)).wear_cycles(begin=0.0))
     with pytest.raises(InputError, match=r"error = -1: must be greater than 0"):
-        Jumps(error=-1)
+        CycleJump(error=-1)

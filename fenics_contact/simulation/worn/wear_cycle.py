@@ -19,7 +19,7 @@ SETTLING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class WornCycle:
+class WearCycle:
     """A cycle that was computed.
 
     Attributes:

@@ -42,12 +42,12 @@ _FILLED = 0.9
 _TRIES = 3
 
 
-class UsedUpError(Exception):
+class BudgetExceededError(Exception):
     """What the scene allows does not suffice for another level."""
 
 
-class MeshWish:
-    """What the errors of a level ask of the next mesh.
+class TargetMeshSize:
+    """The sizes of cells of the next mesh, by the errors of a level.
 
     Args:
         run: That of the level, with estimated errors of its cells.
@@ -77,14 +77,14 @@ class MeshWish:
             has_own_body: Whether the first mesh was passed, and is not the scene's.
 
         Raises:
-            UsedUpError: That is more than allowed.
+            BudgetExceededError: That is more than allowed.
         """
         run, at_edges = self._run, self._edges()
         cells, dofs = self._levels[-1].cells, self._levels[-1].dofs
         most = cells * self._accuracy.max_dofs / dofs
         has_edges = total(run.problem.comm, len(at_edges)) > 0
         wanted = cells * self._growth(has_edges)
-        used_up = UsedUpError(
+        used_up = BudgetExceededError(
             f"the accuracy.max_dofs = {self._accuracy.max_dofs} do not suffice for a finer mesh"
         )
         if _LEAST * cells > most:

@@ -23,11 +23,11 @@ from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.quantities.names import FRICTION_WORK, MAX_WEAR_DEPTH, WORN_VOLUME
-from fenics_contact.scene.loading.jumps import Jumps
+from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.steps import Steps
 from fenics_contact.simulation.worn.rates import Progress, Rates
 from fenics_contact.simulation.worn.sticking import Sticking
-from fenics_contact.simulation.worn.worn_cycle import SETTLING, WornCycle
+from fenics_contact.simulation.worn.wear_cycle import SETTLING, WearCycle
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -44,7 +44,7 @@ _AIM, _TOO_FAR = 0.8, 1.25
 _MANY = 50
 
 
-class WornCycles(StepListener):
+class WearCycles(StepListener):
     """The cycles of a scene whose contacts wear; collective, as all its methods.
 
     Attributes:
@@ -62,7 +62,7 @@ class WornCycles(StepListener):
         self,
         load_steps: LoadSteps,
         begin: float,
-        jumps: Jumps,
+        jumps: CycleJump,
         progress: Progress | None = None,
     ) -> None:
         self._load_steps, self._problem = load_steps, load_steps.problem
@@ -78,7 +78,7 @@ class WornCycles(StepListener):
         self._sticking = Sticking(self._contacts)
         self._settled = self._worn(None)
 
-    def run(self, cycles: int) -> Iterator[WornCycle]:
+    def run(self, cycles: int) -> Iterator[WearCycle]:
         """Each cycle that is computed and counts, the last one among them.
 
         Args:
@@ -120,7 +120,7 @@ class WornCycles(StepListener):
                 )
             )
 
-    def _counts(self, progress: Progress) -> WornCycle:
+    def _counts(self, progress: Progress) -> WearCycle:
         """A cycle that counts."""
         self.progress = progress
         return self._cycle(progress)
@@ -262,7 +262,7 @@ class WornCycles(StepListener):
         factor = _AIM / found.excess if found.excess > 0 else _GROWTH
         return max(1, int(ahead * min(max(factor, _SHRINKING), _GROWTH)))
 
-    def _cycle(self, progress: Progress) -> WornCycle:
+    def _cycle(self, progress: Progress) -> WearCycle:
         rates = progress.rates
         solution = with_depths(self._contacts, rates)
         works = progress.before + rates.works
@@ -271,7 +271,7 @@ class WornCycles(StepListener):
             found = contact_quantities(self._problem, solution, place)
             contacts.append(found | {FRICTION_WORK: float(works[place])})
         pairs = zip(self._contacts, solution.states, strict=True)
-        return WornCycle(
+        return WearCycle(
             number=rates.number,
             passed_over=progress.passed_over,
             pressure_change=progress.pressure_change,
