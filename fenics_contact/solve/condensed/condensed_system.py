@@ -16,23 +16,19 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.common.parallel import from_root, gathered_on_root
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import from_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
-from fenics_contact.solve.condensed.contact_jump import ContactJump
+from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts
 from fenics_contact.solve.condensed.present_loads import PresentLoads
-from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.tangent_operator import TangentOperator
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.body_answer import BodyAnswer, FindBody, LazyDisplacement
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from fenics_contact.solve.systems.pair_stiffness import Entries
-from fenics_contact.solve.systems.step_springs import free_motions, sprung
 from fenics_contact.solve.systems.system import System
 
 # Contact dofs from which the passes of a loop on the pressure cost more than the factorisation.
@@ -48,7 +44,6 @@ class CondensedSystem(System):
         body: The body condensed.
         stiffness: That of each rank's cells.
         dofs: The contact dofs.
-        variables: What stands for them as unknowns.
         held: Which of this rank's unknowns of the stiffness supports hold.
 
     Args:
@@ -80,9 +75,6 @@ class CondensedSystem(System):
         self.dofs = self.body.dofs
         self.factorisations = 1
         self._scalar_loads = [self.body.scalar_load(unknown) for unknown in problem.unknowns]
-        #: The scalars that contacts are coupled with; those of the body come after them.
-        self._in_contacts = problem.unknowns[: self.scalars - len(problem.body_scalars)]
-        self._inner = len(self.dofs.free) + len(self._in_contacts)  # all but the body's scalars
         self._size = len(self.dofs.free) + self.scalars
         if self._size > _MANY:
             self.first_way = "monolithic"
@@ -91,18 +83,17 @@ class CondensedSystem(System):
         self._create_vectors()
 
     def _place_contacts(self) -> None:
-        """The unknowns, the jumps over them and the tangent; collective."""
-        acting = [surface for surface in self._surfaces if surface is not None]
-        self.variables = ContactVariables(self.dofs, acting)
+        """The contacts over the unknowns, and their tangent; collective."""
+        known = self.problem, self.body, self._surfaces, self._scalar_loads
+        self._contacts = CondensedContacts(*known, ends_with_body=self._is_own)
+        self._dense = self._contacts.tangent
         self._present: PresentLoads | None = None
-        self._jumps = [None if s is None else self._jump(s) for s in self._surfaces]
-        self._dense = self._dense_tangent()
-        motions = [
-            self.variables.unknowns(self.position_of(motion))
-            for motion in free_motions(self.problem)
-        ]
-        self._sprung = sprung(np.array(motions).T)
-        self.is_sprung = bool(self._sprung.size)
+        self.is_sprung = bool(self._contacts.sprung.size)
+
+    @property
+    def variables(self) -> ContactVariables:
+        """What stands for the contact dofs as unknowns."""
+        return self._contacts.variables
 
     def update_pairing(self) -> None:
         """Take what faces what anew, without another factorisation of the bulk; collective."""
@@ -114,36 +105,6 @@ class CondensedSystem(System):
         with self.state as array:
             if self._root:
                 array[:count] = self.variables.unknowns(displacements)
-
-    def _jump(self, surface: SurfaceMatrix) -> ContactJump:
-        places, variables = self.dofs.places(surface.dofs), self.variables
-        far = [load.displacements[places] for load in self._scalar_loads]
-        sizes = variables.count, variables.derived_count
-        points = variables.own_unknowns(surface)
-        return ContactJump.over(surface, points, sizes, self._in_contacts, far)
-
-    def _dense_tangent(self) -> ContactTangent | None:
-        """A on rank 0, with what scalars do to the contact dofs through the bulk."""
-        schur = self._schur()
-        if schur is None:
-            return None
-        variables, count = self.variables, len(self._in_contacts)
-        condensed = [variables.forces(load.condensed) for load in self._scalar_loads[:count]]
-        columns = -np.array(condensed).reshape(count, len(self.dofs.free)).T
-        own = np.array([unknown.own for unknown in self._in_contacts])
-        constant = ConstantTangent(schur.matrix, columns, own, variables.derived, schur)
-        nodes = self.dofs.free // self.problem.spaces.components
-        border = self.body.scalars.border(variables, self._inner)
-        return ContactTangent(constant, nodes, border)
-
-    def _schur(self) -> OfSchur | None:
-        """S between the unknowns, on rank 0; that of a body of its own is given up with it."""
-        if not self._is_own:
-            return self.body.of_unknowns(self.variables)
-        if not self.problem.can_pair_anew:
-            return self.body.give_up(self.variables)
-        schur = self.body.bulk.schur
-        return None if schur is None else OfSchur(self.variables.stiffness(schur))
 
     def _create_vectors(self) -> None:
         own = self._size if self._root else 0
@@ -173,10 +134,7 @@ class CondensedSystem(System):
             For forces across, and along each way; None where only contact holds a body, and on
             ranks that have no part of the tangent.
         """
-        jump = self._jumps[number]
-        if jump is None or self._dense is None:
-            return None
-        return self._dense.compliance.between(jump.relative_to, across, ways)
+        return self._contacts.compliances(number, across, ways)
 
     def destroy(self) -> None:
         """Free PETSc's objects, but those of a body that is kept."""
@@ -204,7 +162,7 @@ class CondensedSystem(System):
 
         What faces a body has no half-space behind it, so supports tell all that is held.
         """
-        if None in self._jumps:
+        if None in self._contacts.jumps:
             return super().at_contacts(find_body)
         components = self.problem.spaces.components
         found = self.dofs.placed(self.position()).reshape(-1, components)
@@ -230,10 +188,7 @@ class CondensedSystem(System):
         if present is self._present:
             return
         self._present = present
-        self._held_parts = [
-            None if jump is None else self.variables.held_part(jump.surface, present.held)
-            for jump in self._jumps
-        ]
+        self._held_parts = self._contacts.held_parts(present.held)
         self._condensed = self.variables.forces(present.condensed)
 
     @property
@@ -270,29 +225,22 @@ class CondensedSystem(System):
     def take(self, state: PETSc.Vec) -> None:
         """A vector of unknowns into the jumps; collective."""
         values = self._values(state)
-        derived = self.variables.derived_jumps(values[: self.variables.count])
-        jumps = np.concatenate([values[: self._inner], derived])
-        at_surfaces = [
-            None if jump is None or held is None else _relative(jump, held, jumps)
-            for jump, held in zip(self._jumps, self._held_parts, strict=True)
-        ]
-        self.move_contacts(at_surfaces, self._scalars_of(values))
+        moved = self._contacts.displacements(values, self._held_parts)
+        self.move_contacts(moved, self._scalars_of(values))
 
     def balance(self, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         """A y − b − Σ Lᵀ r_c; collective."""
         self.take(state)
         self._balanced = np.array(state.array_r)
-        forces = self.all_contact_forces()
-        parts = [self._of_all(jump, force) for jump, force in zip(self._jumps, forces, strict=True)]
+        forces = self._contacts.onto_unknowns(self.all_contact_forces())
         left = self._bulk_forces(np.array(state.array_r))
         if self._dense is None:
             return
         driving = np.array([unknown.force for unknown in self.problem.unknowns])
         left -= np.concatenate([self._condensed, driving])
         left[[len(self.dofs.free) + number for number in self.held_scalars]] = 0.0
-        for jump, force in zip(self._jumps, parts, strict=True):
-            if jump is not None:
-                left[: self._inner] -= self._dense.constant.onto_unknowns(jump.forces(force))
+        for force in forces:
+            left[: self._contacts.size] -= force
         with residual as array:
             array[:] = left
 
@@ -301,40 +249,16 @@ class CondensedSystem(System):
         found = np.zeros(0)
         if self._dense is not None:
             found = self._dense.times(values)
-            found[self._inner :] += self._loads.on_scalars
+            found[self._contacts.size :] += self._loads.on_scalars
         self._note_scalar_forces(found)
         return found
-
-    def _of_all(self, jump: ContactJump | None, force: Array) -> Array:
-        """Forces at all dofs of a surface, on rank 0; collective."""
-        if jump is None:
-            return np.zeros(0)
-        surface = jump.surface.contact.trace.surface
-        parts = gathered_on_root(self.comm, force[: surface.owned_nodes].reshape(-1))
-        return np.zeros(0) if parts is None else np.concatenate(parts)
 
     def linearise(self, state: PETSc.Vec, springs: float = 0.0) -> None:
         """W = Σ Lᵀ K_c B; collective."""
         same = self._balanced is not None and np.array_equal(state.array_r, self._balanced)
         if not self.comm.allreduce(same, op=MPI.LAND):
             self.take(state)
-        none = np.zeros(0, dtype=np.int64)
-        found: list[Entries] = [(none, none, np.zeros(0))]
-        for jump in (jump for jump in self._jumps if jump is not None):
-            jump.surface.contact.follow()
-            parts = gathered_on_root(self.comm, jump.surface.entries())
-            found += [jump.tangent(part) for part in parts or ()]
-        if self._dense is not None:
-            self._dense.border.hold(self._is_held)
-            if springs:
-                stiffness = self._dense.constant.schur.diagonal()[self._sprung]
-                found.append((self._sprung, self._sprung, springs * stiffness))
-            self._dense.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
-
-    @property
-    def _is_held(self) -> Flags:
-        """Which of the body's scalars are held, (body_scalars,)."""
-        return np.array([one.held is not None for one in self.problem.body_scalars], dtype=bool)
+        self._contacts.linearise(springs)
 
     def change(self, condensed: Array, on_scalars: Array) -> tuple[Array, Array]:
         """What forces change by the tangent that was set last; collective.
@@ -346,18 +270,19 @@ class CondensedSystem(System):
         Returns:
             Displacements of the free contact dofs (length), and the body's scalars.
         """
-        found = None
+        found, first = None, self._contacts.size
         if self._dense is not None:
             right = np.zeros(self._size)
             right[: self.variables.count] = self.variables.forces(condensed)
-            right[self._inner :] = np.where(self._is_held, 0.0, -on_scalars)
+            right[first:] = np.where(self._contacts.is_held, 0.0, -on_scalars)
             found = self._dense.solve(right)
         found = np.asarray(from_root(self.comm, found))
-        return self.variables.displacements(found[: self.variables.count]), found[self._inner :]
+        return self.variables.displacements(found[: self.variables.count]), found[first:]
 
     def adjoint(self) -> CondensedAdjoint:
         """Of the tangent that was set last; collective."""
-        return CondensedAdjoint(self.problem, self.body, self.variables, self._dense, self._jumps)
+        jumps = self._contacts.jumps
+        return CondensedAdjoint(self.problem, self.body, self.variables, self._dense, jumps)
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""
@@ -387,10 +312,10 @@ class CondensedSystem(System):
         find = LazyDisplacement(partial(self._expanded, load, at_contacts))
         if self.problem.elastic.mixed is not None or self.problem.body_scalars:
             find()
-        if None in self._jumps:
+        if None in self._contacts.jumps:
             others = [
                 contact.kinematics.relative(find().displacement) if jump is None else None
-                for contact, jump in zip(self.problem.contacts, self._jumps, strict=True)
+                for contact, jump in zip(self.problem.contacts, self._contacts.jumps, strict=True)
             ]
             self.move_contacts(others, self._scalars_of(values))
         return find
@@ -408,13 +333,6 @@ class CondensedSystem(System):
             internal,
             self.stiffness.round_off(found),
         )
-
-
-def _relative(jump: ContactJump, held: Array, jumps: Array) -> Array:
-    """Displacements relative to a body opposite, at this rank's nodes of a surface."""
-    surface = jump.surface.contact.trace.surface
-    found = jump.displacement(jumps) + held
-    return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
 
 def acting_sides(problem: Problem) -> list[ContactSides]:
