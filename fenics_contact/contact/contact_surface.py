@@ -24,6 +24,7 @@ from fenics_contact.contact.laws.friction.term import FrictionTerm
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal import acting_law, law_of
 from fenics_contact.contact.laws.normal.law import NormalLaw
+from fenics_contact.contact.laws.normal.term import NormalTerm
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.laws.wear import Unworn, wear_of
 from fenics_contact.contact.parameters import ContactScales
@@ -65,7 +66,8 @@ class ContactSurface:
         last_step: What is kept of the last load step.
         normal: The law across it.
         friction: The law along it.
-        friction_term: How solvers use that law.
+        normal_term: How solvers use the law across it.
+        friction_term: How they use the law along it.
         wear: What slip wears off.
         work: Of friction and of what goes back along it.
         own_arrays: What these keep of their own at the points, and results have.
@@ -103,6 +105,7 @@ class ContactSurface:
         self.parameters = named.parameters(contact)
         self.normal: NormalLaw = acting_law(contact)(site)
         self.friction: FrictionLaw = friction_law(site, self.normal)
+        self.normal_term = NormalTerm(self.normal)
         self.friction_term = FrictionTerm(self.friction)
         self._follow_given()
         self.by_points = False
@@ -167,12 +170,12 @@ class ContactSurface:
         return (self.normal, self.friction, self.wear)
 
     @property
-    def terms(self) -> list[NormalLaw | FrictionTerm]:
+    def terms(self) -> list[NormalTerm | FrictionTerm]:
         """Forces of the contact that follow the jump: of pressure, and of friction."""
-        across: list[NormalLaw | FrictionTerm] = [self.normal] * self.normal.follows_jump
+        across: list[NormalTerm | FrictionTerm] = [self.normal_term] * self.normal.follows_jump
         return [*across, self.friction_term] if self.friction.has_friction else across
 
-    def weight_of(self, term: NormalLaw | FrictionTerm) -> float:
+    def weight_of(self, term: NormalTerm | FrictionTerm) -> float:
         """How often a force of it counts in what Newton's method balances."""
         return self.friction_weight if term is self.friction_term else 1.0
 
@@ -196,7 +199,7 @@ class ContactSurface:
         """
         self.supports = SurfaceSupports(self.trace, constrained)
 
-    def force_of(self, term: NormalLaw | FrictionTerm) -> Array:
+    def force_of(self, term: NormalTerm | FrictionTerm) -> Array:
         """One of its forces at all nodes of its surface; collective."""
         if not self.by_points:
             return term.force()
@@ -204,7 +207,7 @@ class ContactSurface:
 
     def all_forces(self) -> Array:
         """Forces of both laws at all nodes of its surface, friction by its weight; collective."""
-        normal, friction = self.normal, self.friction_term
+        normal, friction = self.normal_term, self.friction_term
         if not self.by_points:
             return normal.force() + self.friction_weight * friction.force()
         traction = normal.at_points() + self.friction_weight * friction.at_points()

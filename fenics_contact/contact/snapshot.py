@@ -47,7 +47,7 @@ def remember(contact: ContactSurface) -> ContactMemory:
         at_points=friction.kept()
         | {"bound": contact.friction_bound.copy()}
         | contact.last_step.at_points()
-        | contact.normal.remember()
+        | contact.normal.kept()
         | contact.wear.kept(),
         paired_at=kinematics.paired_at,
         dissipated_before=contact.last_step.dissipated_before,
@@ -68,6 +68,7 @@ def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     done = memory.dissipated, memory.left_open, memory.dissipated_before
     contact.last_step.restore(memory.at_points, *done)
     contact.normal.recall(memory.at_points)
+    contact.normal_term.follow_law()
     contact.friction.regularisation.recall(memory.regularisation_parameter, memory.is_scaled)
     contact.friction.recall(memory.at_points)
     contact.friction_term.follow_law()

@@ -116,7 +116,7 @@ class AlternatingLoop:
             for contact, pressure in zip(self.contacts, pressures, strict=True)
         ]
         for i, contact in enumerate(self.contacts):
-            contact.normal.hold(pressures[i])
+            contact.normal_term.hold(pressures[i])
             contact.friction_term.set_status(self._sticks[i], self._directions[i], bounds[i])
         self.newton.run(search_energy=False)
         for i, contact in enumerate(self.contacts):
@@ -125,7 +125,7 @@ class AlternatingLoop:
     def step_4(self) -> None:
         """Contact under the friction that Step 3 found."""
         for contact in self.contacts:
-            contact.normal.release()
+            contact.normal_term.follow_law()
         self.newton.run()
 
     def contact_and_friction(self, pressures: list[Array]) -> None:

@@ -150,7 +150,7 @@ class _Strategies:
     def _start_anew(self) -> None:
         """Whatever a way that failed has left behind."""
         for contact in self.problem.coulomb:
-            contact.normal.release()
+            contact.normal_term.follow_law()
             contact.friction_term.use_share(1.0)
         self.newton.restore(self.start)
 

@@ -32,7 +32,7 @@ class PenaltyPath:
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         self._contacts = [c for c in problem.contacts if c.is_one_sided and c.has_penalty]
-        self._own = [contact.normal.softened for contact in self._contacts]
+        self._own = [contact.normal.penalty.softness for contact in self._contacts]
 
     @property
     def exists(self) -> bool:
@@ -51,7 +51,7 @@ class PenaltyPath:
         most = max((_most(contact) for contact in self._contacts), default=1.0)
         while most > 1:
             for contact, factor in zip(self._contacts, self._own, strict=True):
-                contact.normal.soften(factor * max(min(most, _most(contact)), 1.0))
+                contact.normal.penalty.soften(factor * max(min(most, _most(contact)), 1.0))
             yield
             most /= _HARDER
 
@@ -70,7 +70,7 @@ class PenaltyPath:
     def harden(self) -> None:
         """Set the contacts' own penalties again."""
         for contact, factor in zip(self._contacts, self._own, strict=True):
-            contact.normal.soften(factor)
+            contact.normal.penalty.soften(factor)
 
 
 def _most(contact: ContactSurface) -> float:

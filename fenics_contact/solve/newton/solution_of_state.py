@@ -22,17 +22,14 @@ def solution_of(newton: Newton, outer_iterations: int, strategy: str) -> Solutio
         find_body = newton.system.finish()
     for contact in newton.problem.contacts:
         contact.touch()
-    nodes = [contact.trace.numbers for contact in newton.problem.contacts]
-    normal = newton.system.contact_forces("normal")
-    friction = newton.system.contact_forces("friction_term")
     problem = newton.problem
     scalars = problem.scalar_states(find_body().displacement) if problem.body_scalars else ()
     return Solution(
         find_body=find_body,
-        normal_force=[force[n] for force, n in zip(normal, nodes, strict=True)],
-        friction_force=[force[n] for force, n in zip(friction, nodes, strict=True)],
-        friction_bound=[contact.friction.bound.copy() for contact in newton.problem.contacts],
-        states=[contact.state() for contact in newton.problem.contacts],
+        normal_force=[c.force_of(c.normal_term)[c.trace.numbers] for c in problem.contacts],
+        friction_force=[c.force_of(c.friction_term)[c.trace.numbers] for c in problem.contacts],
+        friction_bound=[contact.friction.bound.copy() for contact in problem.contacts],
+        states=[contact.state() for contact in problem.contacts],
         residual_history=tuple(newton.imbalances),
         newton_iterations=newton.steps,
         outer_iterations=outer_iterations,

@@ -207,12 +207,8 @@ class System(ABC):
             for number in self.held_scalars if self.comm.rank == 0 else ():
                 array[len(array) - self.scalars + number] = self.problem.unknowns[number].held
 
-    def contact_forces(self, terms: str) -> list[Array]:
-        """Forces on the body at the nodes of each surface, by a kind of term; collective."""
-        return [c.force_of(getattr(c, terms)) for c in self.problem.contacts]
-
     def all_contact_forces(self) -> list[Array]:
-        """Those of all terms together; remembers their 1-norm; collective."""
+        """Forces on the body at the nodes of each surface; remembers their 1-norm; collective."""
         found = [contact.all_forces() for contact in self.problem.contacts]
         own = sum(
             np.abs(force[: contact.trace.surface.owned_nodes]).sum()

@@ -131,7 +131,7 @@ def _all_small(found: Errors, answer: Quantities, contacts: int) -> bool:
 
 def _stiffen(left: float, problem: Problem) -> None:
     for contact in problem.contacts:
-        contact.normal.soften(left)
+        contact.normal.penalty.soften(left)
 
 
 def _regularise_less(left: float, problem: Problem) -> None:

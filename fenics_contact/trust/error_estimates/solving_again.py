@@ -301,7 +301,7 @@ def restore(load_steps: LoadSteps) -> None:
         load_steps: At their end.
     """
     for contact in load_steps.problem.contacts:
-        contact.normal.soften(1.0)
+        contact.normal.penalty.soften(1.0)
         contact.friction.regularisation.scale(1.0)
         contact.friction.scale_coefficient(1.0)
     if load_steps.problem.far_field is not None:

@@ -79,7 +79,7 @@ def test_both_ways_give_the_same(name):
                 use_friction(contact, mode, slip)
             for held in (False, True) if mode in ("law", "status") else (False,):
                 if held:
-                    contact.normal.hold(2 + contact.trace.coordinates[:, 0])
+                    contact.normal_term.hold(2 + contact.trace.coordinates[:, 0])
                 for term in contact.terms:
                     expected, found = both(contact, lambda term=term, c=contact: c.force_of(term))
                     scale = np.abs(expected).max(initial=1e-300)
@@ -88,7 +88,7 @@ def test_both_ways_give_the_same(name):
                 scale = np.abs(expected).max(initial=1e-300)
                 assert np.abs(found - expected).max(initial=0) <= 1e-12 * scale
                 assert held or not contact.normal.follows_jump or scale > 1
-                contact.normal.release()
+                contact.normal_term.follow_law()
 
 
 class Twice(Unilateral):

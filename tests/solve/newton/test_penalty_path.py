@@ -65,12 +65,12 @@ def test_two_leaves(cells, law):
 def test_penalties_are_what_they_were():
     """Softened on the way, by less and less; also where they are softened already."""
     problem = leaves().problem
-    (law,) = (contact.normal for contact in problem.contacts)
-    law.soften(2.0)
+    (penalty,) = (contact.normal.penalty for contact in problem.contacts)
+    penalty.soften(2.0)
     path = PenaltyPath(problem)
-    seen = [law.softened for _ in path.softer()]
+    seen = [penalty.softness for _ in path.softer()]
     assert len(seen) > 3
     assert all(later < earlier for earlier, later in pairwise(seen))
     assert min(seen) > 2.0
     path.harden()
-    assert law.softened == 2.0
+    assert penalty.softness == 2.0

@@ -185,7 +185,7 @@ def test_the_strategies_of_a_load_step_help_where_newtons_method_fails(monkeypat
     good, failed = Newton.run, []
 
     def fails_at_first(newton, *arguments, **others):
-        softened = float(newton.problem.contacts[0].normal._softness.value) != 1
+        softened = newton.problem.contacts[0].normal.penalty.softness != 1
         if softened and not failed:
             failed.append(newton)
             never()
@@ -202,7 +202,7 @@ def test_a_source_that_cannot_be_solved_again_is_left_open(monkeypatch):
     good = Newton.run
 
     def fails(newton, *arguments, **others):
-        if float(newton.problem.contacts[0].normal._softness.value) != 1:
+        if newton.problem.contacts[0].normal.penalty.softness != 1:
             never()
         good(newton, *arguments, **others)
 

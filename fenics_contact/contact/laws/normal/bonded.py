@@ -39,7 +39,7 @@ class Bonded(PenaltyLaw):
 
     def stiffness(self, depth: Array) -> Array:
         """The stiffness 1/ε₁ at the points (stress/length)."""
-        return self._fields["stiffness"] / self.softened
+        return self._fields["stiffness"] / self.penalty.softness
 
     def is_closed(self, pressure: Array) -> Flags:
         """All that is glued on."""

@@ -42,7 +42,7 @@ class EnergyLaw(SpringLaw):
         """∫ ψ as a UFL form."""
         trace, jump = self.site.trace, self.site.kinematics.jump
         depth = depth_of(jump, trace.normal, self._gap.ufl)
-        density = self.density(depth, jump, **self._in_ufl) / self._softness
+        density = self.density(depth, jump, **self._in_ufl) / self.penalty.softness_in_ufl
         return trace.weight * density * trace.measure
 
     @cached_property
@@ -60,7 +60,7 @@ class EnergyLaw(SpringLaw):
         """∂ψ/∂d + ∂ψ/∂w · n, the pressure of a jump in UFL (stress)."""
         normal = self.site.trace.normal
         depth, moved = ufl.variable(depth_of(jump, normal, self._gap.ufl)), ufl.variable(jump)
-        density = self.density(depth, moved, **self._in_ufl) / self._softness
+        density = self.density(depth, moved, **self._in_ufl) / self.penalty.softness_in_ufl
         pressure = ufl.diff(density, depth)
         if self._at_points.vanishes("jump"):
             return pressure
@@ -98,7 +98,3 @@ class PenaltyLaw(EnergyLaw):
             return {}
         stiffness = self._fields["stiffness"]
         return {"stiffness": self._penalty * slope(lambda e: 1 / e, self._penalty) * stiffness}
-
-    def soften(self, factor: float) -> None:
-        """Divide the stiffness by a factor, from now on."""
-        self.softened = self._softness.value = factor

@@ -62,7 +62,7 @@ class FormulaLaw(SpringLaw):
     def pressure_ufl(self, jump: Expr) -> Expr:
         """The formula at the depth of a jump (stress)."""
         depth = depth_of(jump, self.site.trace.normal, self._gap.ufl)
-        return self._pressure(depth, **self._in_ufl) / self._softness
+        return self._pressure(depth, **self._in_ufl) / self.penalty.softness_in_ufl
 
     @cached_property
     def residual(self) -> CompiledForm:

@@ -13,6 +13,7 @@ from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.force import ContactForce
 from fenics_contact.contact.laws.law import ContactLaw, defined_in_same_class
+from fenics_contact.contact.laws.normal.penalty import Penalty
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.values import PositionFunction, Profile, Value
@@ -56,7 +57,7 @@ class NormalLaw(ContactLaw, ContactForce):
         has_penalty: Whether its stiffness stands for no give at all.
         names_of_power: Where its pressure is a power of the depth, its parameters as
             ``field_slopes`` names them: c, and m unless that never changes.
-        softened: By which factor its penalty's stiffness is divided at present.
+        penalty: How many times softer it is at present.
 
     Args:
         site: Where it acts.
@@ -68,7 +69,10 @@ class NormalLaw(ContactLaw, ContactForce):
     pushes_only: ClassVar[bool] = False
     has_penalty: ClassVar[bool] = False
     names_of_power: ClassVar[tuple[str, ...]] = ()
-    softened: float = 1.0
+
+    def __init__(self, site: LawSite) -> None:
+        super().__init__(site)
+        self.penalty = Penalty(site, self.has_penalty)
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:
@@ -136,32 +140,6 @@ class NormalLaw(ContactLaw, ContactForce):
         Args:
             gap: At the points; infinite where nothing stands (length).
         """
-
-    def hold(self, pressure: Array) -> None:
-        """Press with a given pressure from now on, whatever the jump; collective.
-
-        Args:
-            pressure: At the points, (points,) (stress).
-        """
-
-    def remember(self) -> dict[str, Array]:
-        """The arrays of ``state`` as they are, by name."""
-        return self.kept()
-
-    def recall(self, at_points: Mapping[str, Array]) -> None:
-        """Follow the jump as after a load step, whatever has been tried since.
-
-        Args:
-            at_points: As ``remember`` gave them, among others.
-        """
-        self.release()
-        super().recall(at_points)
-
-    def release(self) -> None:
-        """Follow the jump again."""
-
-    def soften(self, factor: float) -> None:
-        """Divide a penalty's stiffness by a factor, from now on; the others are as they are."""
 
     def depth(self, jump: Array) -> Array:
         """How deep the points are at a jump, −∞ where nothing stands (length)."""

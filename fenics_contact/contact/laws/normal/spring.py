@@ -14,16 +14,12 @@ from typing import ClassVar
 
 import numpy as np
 import ufl
-from dolfinx import fem
 
 from fenics_contact.body.forms import CompiledForm, Expr
-from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.contact.laws.energies import prescribed_pressure_energy
 from fenics_contact.contact.laws.normal.law import NormalGradient, NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.contact.surface.trace_function import TraceFunction
 
 
 def depth_of(jump: Expr, normal: Expr, gap: Expr) -> Expr:
@@ -126,10 +122,6 @@ class SpringLaw(NormalLaw):
         super().__init__(site)
         trace, kinematics = site.trace, site.kinematics
         self._fields = dict(self.fields())
-        self.softened = 1.0
-        self._softness = fem.Constant(trace.surface.mesh, 1.0)
-        self._held: Array | None = None  # pressures
-        self._held_force: Array | None = None
         self._known: _AtJump | None = None
         # Where no obstacle stands, a gap that nothing closes.
         self._far = 1e3 * trace.extent()
@@ -168,8 +160,8 @@ class SpringLaw(NormalLaw):
 
     @property
     def tangents(self) -> tuple[CompiledForm, ...]:
-        """Forms of the tangent in the present mode."""
-        return (self.tangent,) if self._held is None else ()
+        """Forms of the tangent."""
+        return (self.tangent,)
 
     @abstractmethod
     def pressure_ufl(self, jump: Expr) -> Expr:
@@ -181,32 +173,7 @@ class SpringLaw(NormalLaw):
 
     def force(self) -> Array:
         """Forces on the body at all nodes of the surface, (nodes, components); collective."""
-        if self._held is not None:
-            if self._held_force is None:
-                function, work = self._pressures
-                function.set(self._held)
-                self._held_force = self.site.trace.surface.assemble(work)
-            return self._held_force
         return -self.site.trace.surface.assemble(self.residual)
-
-    def hold(self, pressure: Array) -> None:
-        """Press with a given pressure from now on, whatever the jump; collective."""
-        self._held, self._held_force = pressure, None
-
-    def release(self) -> None:
-        """Follow the jump again."""
-        self._held = None
-
-    @cached_property
-    def _pressures(self) -> tuple[TraceFunction, CompiledForm]:
-        """Pressures at the points and −∫ p v_n, compiled when asked."""
-        trace = self.site.trace
-        function = trace.function(np.zeros(len(trace.weights)))
-        test = ufl.TestFunction(trace.surface.space)
-        work = prescribed_pressure_energy(
-            test, trace.normal, function.ufl, trace.weight, trace.measure
-        )
-        return function, form_cache.form(-work)
 
     @property
     @abstractmethod
@@ -227,7 +194,7 @@ class SpringLaw(NormalLaw):
 
     def _at(self, jump: Array) -> _AtJump:
         """What the density does at a jump; forces, pressures and tangents ask for it one by one."""
-        known, gap, softness = self._known, self.site.kinematics.gap, self.softened
+        known, gap, softness = self._known, self.site.kinematics.gap, self.penalty.softness
         if known is None or not known.is_of(jump, gap, softness):
             normals = self.site.trace.normals
             kept = jump.copy() if jump.flags.writeable else jump
@@ -241,14 +208,10 @@ class SpringLaw(NormalLaw):
 
     def at_points(self) -> Array:
         """Traction on the body at the points, (points, components) (stress)."""
-        if self._held is not None:
-            return -self._held[:, None] * self.site.trace.normals
         return -self._slopes(self.site.kinematics.jump_at_points())
 
     def tangent_at_points(self) -> Array:
         """Second derivative of ψ in the jump, (points, components, components)."""
-        if self._held is not None:
-            return super().tangent_at_points()
         return self._at(self.site.kinematics.jump_at_points()).tangent
 
     def pressure_slope(self, jump: Array) -> Array:
@@ -258,7 +221,7 @@ class SpringLaw(NormalLaw):
     def stiffness(self, depth: Array) -> Array:
         """Derivative of the pressure in the depth, at a depth of the points (stress/length)."""
         found = self._at_points.curvature("depth", **self._at_depth(depth))
-        return found / self.softened
+        return found / self.penalty.softness
 
     def traction(self, jump: Array) -> Array:
         """Traction along the surface on the body at a jump, (points, components) (stress)."""
@@ -266,12 +229,12 @@ class SpringLaw(NormalLaw):
 
     def stored(self, jump: Array) -> Array:
         """ψ at the points at a jump (energy/area)."""
-        return self._at_points.value(**self._values(jump)) / self.softened
+        return self._at_points.value(**self._values(jump)) / self.penalty.softness
 
     def vjp(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
         """Vector-Jacobian product, from the second derivatives of the energy ψ."""
         acts, values = self.acts(self.pressure(jump)), self._values(jump)
-        factor = np.where(acts, 1 / self.softened, 0.0)
+        factor = np.where(acts, 1 / self.penalty.softness, 0.0)
         across = factor * self.site.kinematics.normal(of_slopes)
         along, energy = factor[:, None] * of_slopes, factor * of_energy
 
