@@ -6,6 +6,7 @@ A new kind is a file of its own and a line in ``LAWS``; the key that it is given
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from fenics_contact.problem.loads.traction import Traction
 from fenics_contact.scene.keys.extension import add_key, remove_key
 from fenics_contact.scene.loading.conditions import Load
 from fenics_contact.scene.loading.load_paths import KeyedPath
+from fenics_contact.scene.values import Value
 
 LAWS: dict[str, type[ActingLoad]] = {law.kind: law for law in (Traction, Pressure, BodyForce)}
 
@@ -50,13 +52,31 @@ def given_loads(loads: tuple[Load, ...], spaces: Spaces) -> list[GivenLoad]:
     Raises:
         InputError: The body lacks what a load acts on, or a value cannot be evaluated.
     """
-    found = [_given_load(load, f"load[{number}]", spaces) for number, load in enumerate(loads)]
+    found = [
+        load_of_components(load, load.definition.components(load.value), f"load[{number}]", spaces)
+        for number, load in enumerate(loads)
+    ]
     return [load for load in found if load is not None]
 
 
-def _given_load(load: Load, key: str, spaces: Spaces) -> GivenLoad | None:
+def load_of_components(
+    load: Load, components: Sequence[Value], key: str, spaces: Spaces
+) -> GivenLoad | None:
+    """Return a load of a scene whose value has other components, as its derivative has; collective.
+
+    Args:
+        load: Of the scene.
+        components: Those of its value, or their derivatives by a number of it.
+        key: Of the load, for messages.
+        spaces: Those of the body.
+
+    Returns:
+        None where it is zero everywhere.
+
+    Raises:
+        InputError: The body lacks what the load acts on, or a value cannot be evaluated.
+    """
     law, key_of_value = LAWS[load.kind], f"{key}.{load.kind}"
-    components = load.definition.components(load.value)
     group = law.place(load.on, f"{key}.on", spaces)
     nodes = spaces.nodes(group)
     nodal = np.stack(
@@ -66,6 +86,6 @@ def _given_load(load: Load, key: str, spaces: Spaces) -> GivenLoad | None:
     if spaces.comm.allreduce(int(np.count_nonzero(nodal))) == 0:
         return None
     coefficient = spaces.coefficient(law.field(nodal), nodes)
-    acting = law(coefficient, group, spaces, components, key_of_value)
+    acting = law(coefficient, group, spaces, tuple(components), key_of_value)
     name = f"{load.definition.words} on {load.on}"
     return GivenLoad(name, acting, KeyedPath(load.path, f"{key}.path"))

@@ -46,19 +46,20 @@ class LoadKind:
         """Return the value of a load that is a multiple of a given one."""
         return times(value, factor)
 
-    def slope(self, value: Any, names: Sequence[str]) -> Any:
-        """Return the value of a load that is the derivative of a given one.
+    def slopes(self, value: Any, names: Sequence[str]) -> tuple[Value, ...] | None:
+        """Return the derivatives of the components by one number of a value.
 
         Args:
             value: As a scene gives it.
-            names: The rest of the key of a number in the value, such as ``["1"]`` for the second
-                component; empty for the value itself.
+            names: The rest of the number's key, such as ``["1"]`` for the second component; empty
+                for the value itself.
 
         Returns:
             None where there is no derivative by that number.
         """
         if not isinstance(value, tuple):
-            return slope_of(value, names)
+            slope = slope_of(value, names)
+            return None if slope is None else (slope,)
         place = int(names[0])
         slope = slope_of(value[place], names[1:])
         zeros: list[Value] = [0.0] * len(value)

@@ -19,7 +19,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
 from fenics_contact.contact.kinematics.rigid_obstacle import DIRECTIONS
 from fenics_contact.contact.point_gradients import GivenChange
-from fenics_contact.problem.loads import given_loads
+from fenics_contact.problem.loads import load_of_components
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalars.resultant import Resultant
 from fenics_contact.problem.scalars.shortening import Shortening
@@ -134,14 +134,14 @@ class SceneChanges:
         problem, load = self.problem, self.problem.scene.load[number]
         if rest[0] != load.kind:
             raise _refused(key, "it is part of a path")
-        slope = load.definition.slope(load.value, rest[1:])
-        if slope is None:
+        slopes = load.definition.slopes(load.value, rest[1:])
+        if slopes is None:
             raise _refused(key, _OF_PROFILES)
-        unit = given_loads((replace(load, **{load.kind: slope}),), problem.spaces)
-        if not unit:  # it acts beyond the body alone
+        unit = load_of_components(load, slopes, f"load[{number}]", problem.spaces)
+        if unit is None:  # it acts beyond the body alone
             return Change()
-        nodal = unit[0].nodal_of_units(problem.discrete.found.setdefault("loads", {}))
-        return Change(load=unit[0].path(self.time) * nodal)
+        nodal = unit.nodal_of_units(problem.discrete.found.setdefault("loads", {}))
+        return Change(load=unit.path(self.time) * nodal)
 
     def _of_support(self, key: str, number: int, rest: list[str]) -> Change:
         problem, support = self.problem, self.problem.scene.support[number]
