@@ -65,18 +65,18 @@ class CurvedSides:
 
     @property
     def widened(self) -> Expr:
-        """By what share circles about the axis of revolution are longer on the curve; or 0."""
+        """Share by which circles about the axis of revolution are longer on the curve, in UFL."""
         if self._spaces.kinematics != "axisymmetric":
             return ufl.as_ufl(0.0)
         return self.offset * self.normal[0] / self._spaces.position[0]
 
     @property
     def stretch(self) -> Expr:
-        """By what share the curve is longer than its facets, or larger, in UFL."""
+        """Share by which the curve is longer (in 3D larger) than its facets, in UFL."""
         return ufl.dot(self.slope, self.slope) / 2 + self.widened
 
     def further_motion(self, displacement: Expr) -> Expr:
-        """By how much more the curve moves than its facets, in UFL (length)."""
+        """Return how much more the curve moves than its facets, in UFL (length)."""
         return self.offset * ufl.dot(ufl.grad(displacement), self.normal)
 
     def measure(self, chosen: Flags) -> ufl.Measure:
@@ -85,13 +85,13 @@ class CurvedSides:
         return ufl.Measure("ds", self._spaces.body.mesh, subdomain_data=[(1, entities)])(1)
 
     def within(self, group: Group) -> Flags:
-        """Which of the facets are a group's, or sides of its cells."""
+        """Return for each of the facets whether it is a group's, or a side of its cells."""
         if group.dimension == self._spaces.body.dimension:
             return np.isin(self.facets[:, 0], self._spaces.body.entities(group))
         return _among(self.facets, self._spaces.facets(group))
 
     def held(self, free: Flags) -> Flags:
-        """Which of the facets are held in all directions, at all their nodes.
+        """Return for each of the facets whether all its nodes are held in all directions.
 
         Args:
             free: Which components of which nodes nothing holds, (nodes, components).
@@ -162,6 +162,6 @@ def gathered_facets(spaces: Spaces, pairs: AnyIntegers) -> tuple[FacetMesh, int]
 
 
 def _among(pairs: AnyIntegers, others: AnyIntegers) -> Flags:
-    """Which (cell, local facet) are among others."""
+    """Return for each (cell, local facet) whether it is among others."""
     wanted = set(map(tuple, others.tolist()))
     return np.array([tuple(pair) in wanted for pair in pairs.tolist()], dtype=bool)

@@ -1,4 +1,4 @@
-"""What the user says, as frozen data: tables of a scene, read from TOML and written to it.
+"""The scene that a user describes, as frozen data: its tables, read from TOML and written to it.
 
 The data of the paper's (1.1) to (1.8). No FEniCSx.
 """

@@ -187,7 +187,7 @@ class Contact:
                 raise ValueError(f"{key} = {value} must be ≥ 0")
 
     def _require_fit(self) -> None:
-        """What changes the gap needs one, and an interference sides that stay where they are."""
+        """Refuse wear or an interference without a gap, or whose obstacle moves freely."""
         if self.wear is not None and self.kind in ("prescribed", "bonded"):
             raise ValueError(f"wear: {self.kind} contact has no gap that could be widened")
         if self.wear is not None and self.wear.share is not None and self.against is None:
@@ -210,7 +210,7 @@ class Contact:
 
     @property
     def kind(self) -> str:
-        """What is known of the contact, also where the scene leaves it to the other keys."""
+        """Kind of the law across the contact, given or implied by the other keys."""
         if self.normal_law is not None:
             return self.normal_law.kind
         if self.contact is not None:

@@ -1,4 +1,4 @@
-"""What the parts of a scene must have in common."""
+"""Conditions that the parts of a scene must fulfil together."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _SAME_TIME = 1e-9
 
 
 def require_fit(scene: Scene) -> None:
-    """See that a scene's parts fit each other.
+    """Refuse a scene whose parts do not fit each other.
 
     Args:
         scene: The scene, with numbers in place of texts with units.
@@ -48,7 +48,7 @@ def require_fit(scene: Scene) -> None:
 
 
 def _require_vectors(scene: Scene) -> None:
-    """They have an entry for each axis of the model."""
+    """Refuse vectors and profiles that do not have the axes of the model."""
     dimension = scene.dimension
     for number, support in enumerate(scene.support):
         for axis in support.displacement:
@@ -73,7 +73,7 @@ def _require_vectors(scene: Scene) -> None:
 
 
 def _require_model(scene: Scene) -> None:
-    """What only some models have."""
+    """Refuse keys that the kinematic model does not have."""
     if scene.thickness is not None and scene.kinematics != "plane stress":
         raise ValueError(f"thickness is for plane stress, not for {scene.kinematics}")
     if isinstance(scene.thickness, float | int) and scene.thickness <= 0:
@@ -89,7 +89,7 @@ def _require_model(scene: Scene) -> None:
 
 
 def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
-    """Its axis fits the model, and a load step ends where it is locked."""
+    """Refuse a bolt whose axis does not fit the model, or is locked where no load step ends."""
     axis, locked, motion = preload.axis, preload.locked_from, scene.motion
     steps = scene.steps if motion is None else motion.steps
     if len(axis) != scene.dimension:

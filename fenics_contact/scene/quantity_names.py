@@ -21,7 +21,7 @@ OF_PRELOADS = tuple(table.MEASURED_BY_PRELOADS)
 
 @dataclass(frozen=True)
 class QuantityName:
-    """What a name stands for.
+    """A quantity of a contact, of supports or of the whole model, as a name gives it.
 
     Attributes:
         owner: Name of the contact or of the supports; empty for the whole model.
@@ -97,7 +97,7 @@ class QuantityNames:
     preloads: tuple[str, ...] = ()
 
     def find(self, text: str) -> QuantityName:
-        """What a name stands for.
+        """Return the quantity that a name is of.
 
         Args:
             text: ``quantity`` or ``NAME.quantity``; the quantity is what follows the last dot.
@@ -118,7 +118,7 @@ class QuantityNames:
         return found[0]
 
     def key(self, name: QuantityName) -> Hashable:
-        """That of the quantity among those that are measured."""
+        """Return the key of a quantity in the dictionaries of values and errors."""
         if not name.owner:
             return name.quantity
         if name.quantity in _OF_SUPPORTS:
@@ -128,7 +128,7 @@ class QuantityNames:
         return (self.contacts.index(name.owner), name.quantity)
 
     def _readings(self, owner: str) -> dict[str, list[QuantityName]]:
-        """What each quantity of an owner may stand for: of points, names may end as components."""
+        """Return the meanings of each quantity of an owner; names of points may end like axes."""
         quantities = list(table.names_for_model()) if not owner else []
         quantities += [OF_POINTS + point for point in self.points] if not owner else []
         quantities += table.names_for_contacts() if owner in self.contacts else ()
@@ -144,7 +144,7 @@ class QuantityNames:
         return found
 
     def _accepted(self, owner: str, quantity: str, quantities: list[str]) -> str:
-        """What there is instead of an unknown name."""
+        """Return in words which names there are in place of an unknown one."""
         if not quantities:
             known = list(dict.fromkeys([*self.contacts, *self.supports, *self.preloads]))
             return (

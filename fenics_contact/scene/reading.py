@@ -74,7 +74,7 @@ class SceneFile:
         _refuse_extremes(self._data, path)  # tables too deep cannot be copied
 
     def data(self, overrides: Sequence[str], varied: Sequence[str] = ()) -> dict[str, Any]:
-        """What it says, with other values.
+        """Return the file's tables, with other values.
 
         Args:
             overrides: As of ``load_scene``.
@@ -155,7 +155,7 @@ def _read(path: Path) -> str:
 
 
 def _of_encoding(content: bytes, place: int) -> str:
-    """What a file is that is no UTF-8, as far as can be told."""
+    """Return in words which encoding a file has that is no UTF-8, as far as can be told."""
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return "not a text file in UTF-8, but in UTF-16; save it as UTF-8 in the editor"
     line = content.count(b"\n", 0, place) + 1
@@ -263,7 +263,7 @@ def value_of(text: str) -> Any:
 
 
 def _with_zero(found: re.Match[str]) -> str:
-    """A point of a number with the 0 that TOML wants beside it; quoted texts as they are."""
+    """Return a decimal point with the 0 that TOML requires next to it; quoted texts unchanged."""
     return found["quoted"] or (".0" if found["last"] else "0.")
 
 

@@ -111,7 +111,7 @@ def _check_only_numbers(plain: Any) -> None:
 
 
 class HasUnits:
-    """What knows the units of all its values, and of those of its parts."""
+    """Base class of the table that has the units of all its values, and of those of its parts."""
 
     def use_units(self) -> None:
         """Put numbers where there are texts with a unit."""

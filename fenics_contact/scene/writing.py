@@ -127,7 +127,7 @@ def _texts(value: object) -> Iterator[str]:
 
 
 def _item(value: Any) -> Any:
-    """The same for tomlkit, which gives tables headers."""
+    """Return a value as an item of tomlkit, which gives tables headers."""
     if isinstance(value, _Inline):
         inline = tomlkit.inline_table()
         inline.update({key: _item(entry) for key, entry in value.items()})

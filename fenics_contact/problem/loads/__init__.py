@@ -1,4 +1,4 @@
-"""What loads do on displacements, a file a kind: tractions, pressures, forces inside the body.
+"""Work of loads on displacements, a file for each kind: tractions, pressures, body forces.
 
 A new kind is a file of its own and a line in ``LAWS``; the key that it is given by is marked with a
 ``LoadKind`` in ``scene/loading/conditions.py``. ``register`` adds one at run time.

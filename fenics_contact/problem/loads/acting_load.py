@@ -47,14 +47,14 @@ class ActingLoad(ABC):
         return not any(callable(value) for value in self.given)
 
     def of_unit(self, component: int) -> Self:
-        """The same with 1 as a component of its value, and 0 as all others."""
+        """Return the load with 1 as a component of its value, and 0 as all others."""
         nodes = self.spaces.nodes(self.group)
         nodal = np.zeros((len(nodes), len(self.given)))
         nodal[:, component] = 1.0
         return replace(self, value=self.spaces.coefficient(self.field(nodal), nodes))
 
     def as_given(self) -> Self:
-        """With values as they are between nodes; collective."""
+        """Return the load with values as they are between nodes; collective."""
         return replace(self, value=sampled(self.spaces, self.given, self.group, self.key))
 
     def work(self, displacement: Expr) -> ufl.Form:
@@ -94,5 +94,5 @@ class ActingLoad(ABC):
         """
 
     def missed_measure(self, sides: CurvedSides) -> ufl.Measure:
-        """Measure of the facets with curves outside that it acts on, or beside."""
+        """Return the measure of the curved sides of what it acts on."""
         return sides.measure(sides.within(self.group))

@@ -22,7 +22,7 @@ class GivenLoad:
 
     Attributes:
         name: For results.
-        acting: As it is where the path is 1.
+        acting: The load where the path is 1.
         path: Its factor over pseudo-time.
     """
 
@@ -32,18 +32,18 @@ class GivenLoad:
 
     @cached_property
     def form(self) -> fem.Form:
-        """Its linear form, compiled; collective when first asked for."""
+        """Linear form of its work, compiled; collective when first asked for."""
         return _compiled(self.acting)
 
     def nodal(self) -> Array:
-        """Its nodal forces where the path is 1, (nodes, components); collective (force)."""
+        """Return the nodal forces where the path is 1, (nodes, components); collective (force)."""
         return self.acting.spaces.assemble(self.form)
 
     def nodal_of_units(self, found: dict[Any, list[Array]]) -> Array:
-        """The same by what units of its components do, which are found once; collective.
+        """Return the nodal forces, by units of its components that are assembled once; collective.
 
         Args:
-            found: Those of earlier loads on the body, and of this one afterwards.
+            found: Nodal forces of units of earlier loads on the body; those of this one are added.
         """
         acting = self.acting
         if not acting.is_constant:

@@ -1,1 +1,1 @@
-"""What a scene asks of its answer besides: what it depends on."""
+"""Tables of a scene that ask for more than its answer: accuracy, derivatives, modes, fatigue."""

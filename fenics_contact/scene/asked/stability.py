@@ -44,7 +44,7 @@ class Stability:
 
     @property
     def coefficients(self) -> tuple[float, ...]:
-        """Those at which modes are found, from 0 on; none without ``up_to``."""
+        """Friction coefficients at which modes are found, from 0 on; none without ``up_to``."""
         if self.up_to is None:
             return ()
         last = self.points - 1
@@ -52,7 +52,7 @@ class Stability:
 
 
 def require_stability(scene: Scene) -> None:
-    """What steady sliding needs of a scene.
+    """Refuse a scene whose steady sliding cannot be examined.
 
     Raises:
         ValueError: In words.

@@ -81,7 +81,7 @@ class Damping:
 
 
 def require_vibration(scene: Scene) -> None:
-    """What modes need of a scene.
+    """Refuse a scene whose modes or damping cannot be found.
 
     Raises:
         ValueError: Densities or modes are missing, the body has no end, or friction has no memory.

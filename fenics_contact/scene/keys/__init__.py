@@ -1,1 +1,1 @@
-"""What is read off the classes of a scene: its reference, its schema; and keys that are added."""
+"""Reference and schema of scenes, read off their classes; and keys added to these at run time."""

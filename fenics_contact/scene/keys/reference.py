@@ -1,4 +1,4 @@
-"""What a scene may contain, read off the classes: for ``docs/scene.md`` and for hints.
+"""Reference of the keys of a scene, read off the classes: for ``docs/scene.md`` and for hints.
 
 ``python docs/make_scene.py`` writes the page.
 """
@@ -43,7 +43,7 @@ def keys_of(table: type) -> list[Key]:
 
 
 def measured_by(key: str, *tables: type) -> str:
-    """What a key measures, such as ``stress``; empty of a pure number.
+    """Return the dimension of a key's numbers, such as ``stress``; empty for a pure number.
 
     Args:
         key: Of one of the tables.
@@ -73,7 +73,7 @@ def _key(field: Any, hint: Any, said: Mapping[str, str]) -> Key:
 
 
 def _unwrap(hint: Any) -> tuple[Any, list[Any]]:
-    """An annotated type apart: the bare type and all that is said about it."""
+    """Split an annotated type into the bare type and its annotations."""
     information: list[Any] = []
     while typing.get_origin(hint) is typing.Annotated:
         hint, *more = typing.get_args(hint)
@@ -82,7 +82,7 @@ def _unwrap(hint: Any) -> tuple[Any, list[Any]]:
 
 
 def _marked(information: list[Any], mark: type[Mark]) -> Mark | None:
-    """The mark of a class among what is said about a type, if there is one."""
+    """Return the annotation of a type that is of a class, if there is one."""
     return next((found for found in information if isinstance(found, mark)), None)
 
 
@@ -111,7 +111,7 @@ def _default(field: Any) -> str:
 
 
 def _accepted(hint: Any) -> str:
-    """What a key takes, in words."""
+    """Return in words which values a key takes."""
     plain, information = _unwrap(hint)
     origin, parts = typing.get_origin(plain), typing.get_args(plain)
     if origin is typing.Literal:
@@ -179,7 +179,7 @@ def render() -> str:
 
 
 def _of_kind(key: Key, table: type) -> str:
-    """What tells the tables of a key apart, where there are several."""
+    """Return the kind by which a table of a key is told from its others; empty for the only one."""
     kind = next((one for one in keys_of(table) if one.name == "kind"), None)
     return f", kind = {kind.accepts}" if kind is not None and len(key.tables) > 1 else ""
 

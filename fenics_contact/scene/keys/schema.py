@@ -37,7 +37,7 @@ def scene_schema() -> dict[str, Any]:
 
 
 class _OfFiles(GenerateJsonSchema):
-    """What a file can hold: no functions, and no key without a value."""
+    """Schema generator for files: they hold no functions, and no key without a value."""
 
     def callable_schema(self, schema: Any) -> JsonSchemaValue:
         raise PydanticOmit
@@ -56,7 +56,7 @@ class _OfFiles(GenerateJsonSchema):
 
 
 def _descriptions(table: type) -> dict[str, dict[str, str]]:
-    """What keys are, by the class of a table and their names, from a class on."""
+    """Return the descriptions of the keys of a class and its tables, by class and key."""
     keys = keys_of(table)
     found = {table.__name__: {key.name: key.description for key in keys}}
     for inner in {inner for key in keys for inner in key.tables} | {Profile}:

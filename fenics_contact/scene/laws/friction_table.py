@@ -1,4 +1,4 @@
-"""What every table of how large friction may be has, and what its numbers must be."""
+"""Base class of the tables of friction laws, and conditions on their numbers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fenics_contact.scene.values import Value
 
 
 class FrictionLawTable:
-    """What all of them have.
+    """Base class of the tables of friction laws.
 
     Attributes:
         kind: By which results and messages name the law.

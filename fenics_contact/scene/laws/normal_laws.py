@@ -16,7 +16,7 @@ from fenics_contact.scene.values import Number, Text, Value, scene_class
 
 
 class NormalLawTable:
-    """What all of them have: the kind by which results and messages name the law."""
+    """Base class of the tables of laws across a contact, which results name by ``kind``."""
 
     kind: str
 

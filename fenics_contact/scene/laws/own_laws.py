@@ -1,4 +1,4 @@
-"""What laws have in common that a user writes: parameters, a formula, or a class of a module."""
+"""Parts of the tables of users' own laws: parameters, a formula, or a class of a module."""
 
 from __future__ import annotations
 

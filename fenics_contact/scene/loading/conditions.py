@@ -1,4 +1,4 @@
-"""What is done to a body: supports, loads and preloads; and points at which it is looked at."""
+"""Supports, loads and preloads of a body, and points whose displacement is a quantity."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class Load:
 
     @property
     def definition(self) -> LoadKind:
-        """What is known of its kind."""
+        """Rules for values of its kind."""
         return kinds_of(type(self))[self.kind]
 
     @property

@@ -65,7 +65,7 @@ def require_wear(scene: Scene) -> None:
 
 
 def _require_jumps(scene: Scene, worn: int | None) -> None:
-    """That cycles can be passed over.
+    """Refuse a scene whose cycles cannot be passed over.
 
     Args:
         scene: Whose cycles have jumps.

@@ -86,7 +86,7 @@ def _tables(scene: Scene) -> list[Path]:
 
 
 def cycles_of(scene: Scene) -> Cycles | None:
-    """Those that loads run through: of ``[cycles]``, or as tables say it shorter by ``cycles``.
+    """Return the cycles of the loads: ``[cycles]``, or those of the paths' key ``cycles``.
 
     None where there are none, or tables have several periods, and where bodies move.
     """
@@ -110,7 +110,7 @@ def _knots_as_written(scene: Scene) -> set[float]:
 
 
 def _knots_of_cycles(scene: Scene) -> list[float]:
-    """Those of ``[cycles]``, in every cycle."""
+    """Return the knots inside ``[cycles]``, repeated in every cycle."""
     cycles = scene.cycles
     if cycles is None:
         return []

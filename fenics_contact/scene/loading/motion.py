@@ -137,7 +137,7 @@ class Motion:
 
     @cached_property
     def steps(self) -> Steps:
-        """Its steps, all of one length; how many there are is open as long as that is."""
+        """Time steps, all of one length; their number is open while the length is automatic."""
         if self.step == "automatic":
             return Steps(automatic=True, end=self.end)
         return Steps(number=math.ceil(self.end / self.step * (1 - _SAME)), end=self.end)
@@ -219,7 +219,7 @@ def _require_free_modes(scene: Scene, motion: Motion) -> None:
 
 
 def _require_paths(scene: Scene) -> None:
-    """What acts says how it does in time: the ramp of load steps would end at time 1."""
+    """Refuse loads without a path of their own: the ramp of load steps would end at time 1."""
     acting = {
         **{f"load[{number}].path": load.path for number, load in enumerate(scene.load)},
         **{

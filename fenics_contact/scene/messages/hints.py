@@ -1,4 +1,4 @@
-"""What an unknown key or a refused value of a scene was meant to be."""
+"""Hints on what an unknown key or a refused value of a scene was meant to be."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _TRUTHS["off"] = "false"
 
 
 def of_key(location: Sequence[Any], value: object, table: type) -> str:
-    """What an unknown key was meant to be, and the keys that its table accepts.
+    """Return what an unknown key was meant to be, and the keys that its table accepts.
 
     Args:
         location: Of pydantic, from the class ``table`` to the key.
@@ -71,7 +71,7 @@ def _places_of(key: str) -> list[str]:
 
 
 def of_value(value: object, problems: Sequence[Any], key: str = "") -> str:
-    """What a refused value was meant to be, as a question in brackets, or nothing.
+    """Return what a refused value was meant to be, as a question in brackets, or nothing.
 
     Args:
         value: As the file has it.

@@ -40,7 +40,7 @@ class Slip:
 
 
 def explained(lines: list[str], number: int) -> str:
-    """What is wrong with a line, and how it should be; empty if it is none of the known slips.
+    """Return what is wrong with a line, and how it should be; empty if it is no known slip.
 
     Args:
         lines: Of the file.

@@ -1,4 +1,4 @@
-"""What is wrong with TOML, by the line: slips in it, and tables and keys that stand twice."""
+"""Messages on wrong TOML, by the line: slips in it, and tables and keys that stand twice."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def _unfinished(lines: list[str], number: int) -> str:
 
 
 def _ending(lines: list[str], number: int, brackets: str, what: str) -> str:
-    """How to end what a line begins, if that mends it."""
+    """Return how to end a list or table that a line begins, if the text is then valid."""
     line = _QUOTED.sub(lambda found: "" if found[0][0] == "#" else found[0], lines[number - 1])
     mended = line.rstrip().rstrip(",") + brackets[1]
     if brackets == "{}" and _goes_on(line):

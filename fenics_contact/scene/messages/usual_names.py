@@ -135,7 +135,7 @@ _VALUES = {
 
 
 def meant_key(table: str, key: str, value: object) -> str:
-    """What a usual name is called in a table of a scene, to follow 'did you mean'; or nothing.
+    """Return the key of a scene for a usual name, to follow 'did you mean'; or nothing.
 
     Args:
         table: Name of the table's class.
@@ -161,7 +161,7 @@ def key_of_symbol(symbol: str) -> str:
 
 
 def meant_value(text: str, accepted: list[str]) -> str:
-    """What a usual word is called among the texts that are accepted; or nothing.
+    """Return the accepted text for a usual word; or nothing.
 
     Args:
         text: As it was given.

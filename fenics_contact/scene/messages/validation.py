@@ -1,4 +1,4 @@
-"""What is wrong with a scene, in one sentence, for pydantic's list of what it tried."""
+"""Pydantic's list of errors of a scene, as one sentence."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _IN_PYTHON = _IN_A_FILE | {
 def sentence(
     error: ValidationError, data: Mapping[str, Any], table: type, names: Sequence[str] = ()
 ) -> str:
-    """What is wrong first, in one sentence: key, value, what is accepted.
+    """Return what is wrong first, in one sentence: key, value, accepted values.
 
     Args:
         error: Of pydantic.

@@ -1,4 +1,4 @@
-"""What a number of a scene measures: the one place that says so, beside the key itself.
+"""Dimensions of the numbers of a scene, with which its keys are marked.
 
 A key is marked in its annotation, ``Annotated[Number, LENGTH]``. Its description, the schema of
 scenes and the values that it takes with a unit follow from that.
@@ -23,7 +23,7 @@ _LONGEST = 60
 
 @dataclass(frozen=True)
 class Dimension:
-    """What a number measures, as powers of length, force and time.
+    """Dimension of a number, as powers of length, force and time.
 
     The unit of time is the second.
 
@@ -49,7 +49,7 @@ class Dimension:
     is_place: bool = False
 
     def of(self, table: Any, outer: Dimension | None) -> Dimension | None:
-        """What it is in a table of a scene, where that depends on other keys.
+        """Return the dimension in a table of a scene, where it depends on other keys.
 
         Args:
             table: Of a scene class.
@@ -60,13 +60,13 @@ class Dimension:
     def __get_pydantic_core_schema__(
         self, source: Any, handler: Callable[[Any], Any]
     ) -> core_schema.CoreSchema:
-        """As without the mark, but for texts with a unit."""
+        """Return the schema of the key, with texts with a unit kept as they are."""
         return core_schema.no_info_wrap_validator_function(self._kept, handler(source))
 
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: Callable[[Any], Any]
     ) -> dict[str, Any]:
-        """As without the mark, or a text with a unit."""
+        """Return the schema of the key, which also takes a text with a unit."""
         found: dict[str, Any] = handler(schema)
         with_unit = {"type": "string", "pattern": QUANTITY, "maxLength": _LONGEST}
         return {"anyOf": [*found.get("anyOf", [found]), with_unit]}
@@ -90,10 +90,10 @@ class WithUnit:
 
 @dataclass(frozen=True)
 class _OfKey(Dimension):
-    """What the key measures in whose place a table stands."""
+    """Dimension of the key for which a table is given, such as a profile of a pressure."""
 
     def of(self, table: Any, outer: Dimension | None) -> Dimension | None:
-        """That of the key."""
+        """Return the dimension of the outer key."""
         return outer
 
 
@@ -102,7 +102,7 @@ class _OfPower(Dimension):
     """Stress over a power of length, the exponent of a law."""
 
     def of(self, table: Any, outer: Dimension | None) -> Dimension | None:
-        """With the exponent in the law's table."""
+        """Return the dimension with the exponent in the law's table."""
         return Dimension(self.words, -2.0 - table.exponent, 1.0)
 
 
@@ -124,7 +124,7 @@ OF_KEY = _OfKey("", 0, is_said=False)
 
 
 def dimension_of(field: FieldInfo) -> Dimension | None:
-    """What the numbers of a key measure, or those inside its lists and tables; None of no unit.
+    """Return the dimension of a key's numbers, also inside its lists and tables; None without one.
 
     Args:
         field: Of a scene class.
@@ -141,7 +141,7 @@ def _marks_in(hint: Any) -> list[Dimension]:
 
 
 def description_of(field: FieldInfo) -> str:
-    """What a key is, with what its numbers measure behind the first part of the sentence.
+    """Return a key's description, with its dimension after the first part of the sentence.
 
     Args:
         field: Of a scene class.

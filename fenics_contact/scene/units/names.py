@@ -1,4 +1,4 @@
-"""What units are called, of whatever a number measures. No pint: names are kept with a result."""
+"""Names of units by dimension. No pint: the names are kept with a result."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def parts_of(text: str) -> tuple[Decimal, str]:
 
 
 def factor(unit: str, length: str, force: str, powers: tuple[float, ...]) -> Decimal:
-    """What a unit is in others.
+    """Return how many of other units a unit is.
 
     Args:
         unit: Such as ``GPa``.

@@ -51,7 +51,7 @@ class Units:
                 ) from None
 
     def names(self, per_unit_thickness: bool = False) -> UnitNames:
-        """What they and those that follow from them are called.
+        """Return the names of these units and of those that follow from them.
 
         Args:
             per_unit_thickness: Whether forces of the model are per length.
@@ -64,7 +64,7 @@ class Units:
 
 
 def names_of(scene: Scene) -> UnitNames | None:
-    """What the units of a scene are called; None where it has none.
+    """Return the names of the units of a scene; None where it has none.
 
     Args:
         scene: The scene.
@@ -108,7 +108,7 @@ def dimensions(table: Any) -> list[tuple[str, Dimension | None]]:
 
 
 def forget_dimensions(kind: type) -> None:
-    """Look the keys of a scene class up anew, since it has got others."""
+    """Forget the dimensions of a scene class, whose keys have changed."""
     _DIMENSIONS.pop(kind, None)
 
 
@@ -188,7 +188,7 @@ class _Conversion:
             raise ValueError(f"{written(path)}: {words}") from None
 
     def _number(self, text: str, path: Sequence[object], dimension: Dimension) -> float:
-        """Of a text with a unit."""
+        """Return the number, in the scene's units, of a text with a unit."""
         from fenics_contact.scene.units.registry import UnknownUnitError, factor, parts_of
 
         key = f"{written(path)} = {text[:60]!r}"

@@ -17,7 +17,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.kinematics.between_points import TooCoarseError
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.adaptive.next_mesh import Wish, hindrance, next_mesh
+from fenics_contact.simulation.adaptive.next_mesh import MeshDensity, hindrance, next_mesh
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.trust.resolution.hidden_obstacles import hidden_obstacles
 
@@ -81,8 +81,8 @@ def finer_there(scene: Scene, spaces: Spaces, rows: Array, is_own: bool) -> Body
     body, comm = spaces.body, spaces.comm
     cells = body.mesh.topology.index_map(body.dimension)
     alike = np.ones(cells.size_local)
-    wish = Wish(float(cells.size_global), alike / cells.size_global, rows)
-    return next_mesh(scene, _Meshed(body, spaces, comm), wish, is_own)
+    density = MeshDensity(float(cells.size_global), alike / cells.size_global, rows)
+    return next_mesh(scene, _Meshed(body, spaces, comm), density, is_own)
 
 
 def _may_be_finer(scene: Scene, body: Body, is_own: bool) -> bool:

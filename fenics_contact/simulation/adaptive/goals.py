@@ -47,7 +47,7 @@ class Goals:
     by_energy: Mapping[str, str] = field(default_factory=dict)
 
     def of(self, ratios: Mapping[str, float]) -> Array:
-        """What cells are refined by, (cells,).
+        """Return the errors by which cells are refined, (cells,).
 
         Args:
             ratios: Quantity → its error over what is allowed.
@@ -91,7 +91,7 @@ class GoalFinder:
 def find_goals(
     load_steps: LoadSteps, local: LocalErrors, asked: Mapping[str, Sequence[str]]
 ) -> Goals:
-    """Of the last load step, in whose state the problem is not left; collective.
+    """Return the goals at the last load step; the problem is left in another state; collective.
 
     Args:
         load_steps: At their end.
@@ -117,7 +117,7 @@ def find_goals(
 
 
 def _reason(error: Exception) -> str:
-    """Of a message, without where it is of and what to do."""
+    """Return the reason in a message, without its key and its advice."""
     return str(error).removeprefix("of: ").removeprefix("derivatives: ").partition(";")[0]
 
 
@@ -164,13 +164,13 @@ def _squared_adjoint(
 
 
 def _shares(problem: Problem, values: Array) -> Array:
-    """Of cells, over all of them; collective."""
+    """Return the values of cells over the sum of all cells; collective."""
     whole = float(total(problem.comm, values.sum()))
     return np.asarray(values / whole) if whole > 0 else values
 
 
 def _of_a_section(problem: Problem, squared: Array) -> Array:
-    """Of axisymmetric bodies, errors a length around: cells at the axis are no less important.
+    """Return errors per circumference in axisymmetric bodies, so that cells at the axis count.
 
     A peak pressure often stands there, and over the whole circle they would count for nothing.
     """

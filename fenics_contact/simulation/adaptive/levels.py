@@ -141,7 +141,7 @@ class AdaptiveRun:
                 guess = transfer_state(self.run.problem, run.problem, self.run.end.last)
 
     def _tried(self, missing: str, action: Callable[[], T]) -> T | str:
-        """What comes of it where there is an answer; of a fault, what is missing; collective."""
+        """Return the result of an action; where it fails, in words what is missing; collective."""
         notes: list[str] = []
         expected = FenicsContactError, BudgetExceededError
         found = attempt(self.run.problem.comm, missing, action, None, notes, expected)
@@ -179,7 +179,7 @@ class AdaptiveRun:
         return found[0] if found else said(away, result) if away else ""
 
     def _beyond(self, result: Result) -> list[str]:
-        """What is asked for and moved, from the mesh before, by more than both bars."""
+        """Return requested quantities that differ from the mesh before by more than both bars."""
         keys = measured_keys(result, self.asked, self.run.scene.names)
         return [name for name, key in keys.items() if self._history.is_beyond(key)]
 
@@ -202,7 +202,7 @@ class AdaptiveRun:
         return self._hindrance or self._used_up(result)
 
     def _used_up(self, result: Result) -> str:
-        """That there may be no further level, or nothing."""
+        """Return in words that no further level is allowed, or nothing."""
         if len(self.levels) >= self._accuracy.max_levels:
             most = self._accuracy.max_levels
             if self.run.end.budget.coarse:
@@ -217,7 +217,7 @@ class AdaptiveRun:
         return ""
 
     def _not_estimated(self, errors: Errors) -> str:
-        """What is not known and will not be on another mesh, or nothing."""
+        """Return in words which errors are unknown, and will be on any mesh, or nothing."""
         unknown = {
             name: [s for s, v in found.items() if v is None and s != "total"]
             for name, found in errors.items()
@@ -255,8 +255,8 @@ class AdaptiveRun:
             goals = self._goals.found
             if goals is None:
                 raise BudgetExceededError("it was not found which cells are to be smaller")
-            wish = TargetMeshSize(self.run, self.levels, self.asked, errors, goals)
-            body = wish.mesh(self._has_own_body)
+            target = TargetMeshSize(self.run, self.levels, self.asked, errors, goals)
+            body = target.mesh(self._has_own_body)
             scene = balanced(scene, result, errors, self.asked)
         self._between = from_root(comm, time.perf_counter() - began)
         for phase in ("mesh", "total"):
@@ -276,7 +276,7 @@ class AdaptiveRun:
         return dataclasses.replace(found, interrupted=True)
 
     def _done(self, result: Result, reason: str) -> Result:
-        """Of the last level, with derivatives and modes that the scene asks for; collective."""
+        """Return the result of the last level, with requested derivatives and modes; collective."""
         found = self.run.with_all_asked(result)
         for phase in ("derivatives", "vibration", "stability"):
             self._seconds[phase] = found.timings[phase]
@@ -302,7 +302,7 @@ def _over_energy(local: LocalErrors, energy: float) -> float | None:
 
 
 def adaptive_plan(run: Run) -> str:
-    """What ``fenics-contact check`` says of the accuracy asked for; nothing without one."""
+    """Return what ``fenics-contact check`` says of the requested accuracy; empty without one."""
     if run.scene.accuracy is None:
         return ""
     words = plan(asked_of(run), run.scene.accuracy)
@@ -355,7 +355,7 @@ def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None)
 def run_with_fields(
     scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
 ) -> tuple[Result, Run]:
-    """As ``run``, and what was run, whose ``fields`` are functions of dolfinx; collective.
+    """Run a scene, and return the run too, whose ``fields`` are functions of dolfinx; collective.
 
     Args:
         scene: What to solve.

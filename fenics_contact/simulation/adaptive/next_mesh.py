@@ -57,12 +57,12 @@ def hindrance(scene: Scene, body: Body, is_own: bool) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Wish:
-    """What the next mesh is to be.
+class MeshDensity:
+    """Number and distribution of the cells of the next mesh.
 
     Attributes:
-        number: Of cells, apart from those that ``edges`` ask for.
-        squared: What this rank's own cells of the last one make of errors, over that of all.
+        number: Number of cells, apart from those that ``edges`` ask for.
+        squared: Share of the squared error in each own cell of the last mesh, (cells,).
         edges: Rows of x, y, z and a size that cells there are not to exceed, of this rank (length).
     """
 
@@ -72,45 +72,45 @@ class Wish:
 
 
 class Meshed(Protocol):
-    """What has a mesh, as a ``Problem``."""
+    """Object with a mesh, as a ``Problem``."""
 
     @property
     def body(self) -> Body:
-        """The mesh."""
+        """Body with its mesh."""
 
     @property
     def spaces(self) -> Spaces:
-        """On it."""
+        """Function spaces on the mesh."""
 
     @property
     def comm(self) -> MPI.Comm:
         """Communicator."""
 
 
-def next_mesh(scene: Scene, problem: Meshed, wish: Wish, is_own: bool) -> Body:
+def next_mesh(scene: Scene, problem: Meshed, density: MeshDensity, is_own: bool) -> Body:
     """A mesh whose cells have errors that are about equal; collective.
 
     Args:
         scene: With its meshes.
         problem: On the last mesh, which nothing hinders.
-        wish: How fine.
+        density: Number and distribution of its cells.
         is_own: Whether the first mesh was passed in place of the scene's.
 
     Raises:
         InputError: Gmsh cannot make it, or it is unsound.
     """
     body, comm = problem.body, problem.comm
-    rows = _own_cells(scene, body, wish.squared) | {"edges": wish.edges}
+    rows = _own_cells(scene, body, density.squared) | {"edges": density.edges}
     gathered = gathered_on_root(comm, rows)
 
     def found() -> tuple[_All, Array]:
         assert gathered is not None  # on rank 0
         every = _All(body.mesh.topology.cell_name(), gathered)
-        return every, _sizes(every, problem.spaces.degree, wish.number)
+        return every, _sizes(every, problem.spaces.degree, density.number)
 
     if not _is_meshed_again(scene, is_own):
         marked: list[Flags] = []  # stay on rank 0
-        on_root(comm, lambda: marked.append(_marked(*found(), wish.number)))
+        on_root(comm, lambda: marked.append(_marked(*found(), density.number)))
         return refined(body, marked[0] if marked else None)
     fields: list[SizeField] = []  # stay on rank 0
     on_root(comm, lambda: fields.extend(_fields(*found())))

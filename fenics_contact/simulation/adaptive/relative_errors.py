@@ -28,7 +28,7 @@ _SMALL = 0.01
 
 
 def relative_errors(result: Result, asked: Mapping[str, float], names: QuantityNames) -> Errors:
-    """Of the quantities asked for, by source.
+    """Return the relative errors of the requested quantities, by source.
 
     Args:
         result: With ``errors``.
@@ -78,14 +78,14 @@ def _of_owner(result: Result, name: QuantityName) -> tuple[Quantities, Errors]:
 
 
 def _given(values: Quantities, quantity: str) -> str:
-    """The quantity, or what stands for a normal force without an axis."""
+    """Return the quantity, or that which replaces a normal force without an axis."""
     row = table.find(quantity)
     has_other = row is not None and row.instead and values.get(quantity) is None
     return row.instead if row is not None and has_other else quantity
 
 
 def _size(result: Result, values: Quantities, quantity: str) -> float:
-    """What measures an error of a quantity, or of a component of it; 0 where it is not known."""
+    """Return the size that errors of a quantity are relative to; 0 where it is not known."""
     row = table.find(quantity)
     by = _given(values, (row and row.relative_to) or quantity)
     value = values.get(by, result.quantities.get(by))
@@ -101,7 +101,7 @@ def _size(result: Result, values: Quantities, quantity: str) -> float:
 
 
 def _largest_force(result: Result) -> float:
-    """Of all resultants of a contact, or of supports of one name."""
+    """Return the largest of the resultants of all contacts and supports (force)."""
     values = [of.get(force) for of in _parts(result) for force in _forces()]
     return max((float(np.linalg.norm(v)) for v in values if v is not None), default=0.0)
 

@@ -16,7 +16,7 @@ from fenics_contact.quantities.quantity import Edge
 from fenics_contact.results.records.model import LevelRecord
 from fenics_contact.results.records.record import Errors
 from fenics_contact.simulation.adaptive.goals import Goals
-from fenics_contact.simulation.adaptive.next_mesh import Wish, next_mesh
+from fenics_contact.simulation.adaptive.next_mesh import MeshDensity, next_mesh
 from fenics_contact.simulation.adaptive.relative_errors import others_than_mesh
 from fenics_contact.simulation.scene_run import Run
 
@@ -43,7 +43,7 @@ _TRIES = 3
 
 
 class BudgetExceededError(Exception):
-    """What the scene allows does not suffice for another level."""
+    """Raised where the scene's limits do not suffice for another level."""
 
 
 class TargetMeshSize:
@@ -91,8 +91,8 @@ class TargetMeshSize:
             raise used_up
         wanted = min(wanted, _FILLED * most)
         for _ in range(_TRIES):
-            wish = Wish(wanted, self._cells, at_edges)
-            body = next_mesh(run.scene, run.problem, wish, has_own_body)
+            density = MeshDensity(wanted, self._cells, at_edges)
+            body = next_mesh(run.scene, run.problem, density, has_own_body)
             found = body.mesh.topology.index_map(body.dimension).size_global
             if found <= most:
                 return body
@@ -100,7 +100,7 @@ class TargetMeshSize:
         raise used_up
 
     def _urgency(self) -> dict[str, float]:
-        """Of each quantity, its error over what is allowed; of an area no more than of another.
+        """Return each quantity's error over the allowed one; of areas at most that of others.
 
         What areas are off by is a matter of their edges first, where cells are made smaller anyway.
         """
@@ -172,7 +172,7 @@ class TargetMeshSize:
         return bool(total(comm, squared[large].sum()) > 0.5 * whole)
 
     def _observed_order(self, name: str, order: float) -> float:
-        """Of a quantity's error in the number of cells, between the last two levels.
+        """Return the order of a quantity's error in the number of cells, by the last two levels.
 
         At first it is taken to be between that of the energy norm and twice that.
         """

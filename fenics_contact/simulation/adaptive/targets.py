@@ -1,4 +1,4 @@
-"""What a scene's accuracy asks for, and what of it penalty and regularisation may take."""
+"""Requested accuracies of a scene, and the shares that penalty and regularisation may take."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ class Means:
         return None if self._middle is None else self._middle.values.get(name)
 
     def by(self, key: str) -> Mapping[str, Mean]:
-        """Of each quantity that has one, the mean in a number; collective.
+        """Return the mean derivatives by a number, of each quantity that has one; collective.
 
         Args:
             key: Of the number.
@@ -161,7 +161,7 @@ class Means:
         return find_window(answers, moved, number, size, self._intervals)
 
     def _size(self, key: str, number: float) -> float:
-        """What changes of a number are measured by: itself, or what the answer has of its kind."""
+        """Return the size that changes of a number are compared with: its own or its kind's."""
         middle = self._middle
         assert middle is not None
         table, *names = numbered(self._scene, key).split(".")

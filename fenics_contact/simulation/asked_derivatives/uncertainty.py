@@ -1,4 +1,4 @@
-"""What tolerances of a scene's numbers make of each quantity, beside the numerical error."""
+"""Uncertainty of quantities by tolerances of a scene's numbers, next to the numerical error."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fenics_contact.simulation.sweeps.rows import BAR, Row, row_of
 
 
 def uncertainties(scene: Scene, result: Result) -> dict[str, Uncertainty]:
-    """Of each quantity whose derivatives a result has; empty without tolerances.
+    """Return the uncertainty of each quantity with derivatives; empty without tolerances.
 
     Args:
         scene: That was solved.
@@ -46,7 +46,7 @@ def _uncertainty(
 
 
 def _part(slope: Derivative, tolerance: float) -> float | None:
-    """By the mean derivative; by that of the discrete answer where there is no mean."""
+    """Return the part of a tolerance, by the mean derivative or, without one, the discrete one."""
     found = slope.discrete if slope.value is None else slope.value
     return None if found is None else abs(found) * tolerance
 

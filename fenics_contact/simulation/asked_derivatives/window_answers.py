@@ -84,7 +84,7 @@ class WindowAnswers:
         return WindowAnswer(row_of_quick(answer, names), inside, strips)
 
     def moved(self, one: WindowAnswer, other: WindowAnswer, strips: Sequence[float]) -> Array:
-        """By how many cells each edge is elsewhere in another answer; collective.
+        """Return by how many cells each edge has moved between two answers; collective.
 
         Args:
             one: An answer.

@@ -77,13 +77,13 @@ class Window:
 
     @property
     def middles(self) -> Array:
-        """Of the intervals."""
+        """Middles of the intervals (unit of the number)."""
         return np.asarray(0.5 * (self.places[1:] + self.places[:-1]))
 
     def mean(self, values: Sequence[float]) -> tuple[float, float]:
         """Mean derivative, and how far the slopes of intervals are off what changes steadily.
 
-        Of what jumps inside of the window, such as areas.
+        For quantities that jump inside the window, such as areas.
 
         Args:
             values: Of the answers at the places.
@@ -92,7 +92,7 @@ class Window:
         return float(self.shares @ slopes), float(np.abs(self._unsteady(slopes, 1)).max())
 
     def slope(self, values: Sequence[float]) -> tuple[float, float]:
-        """The same of what is smooth but for cells: of a curved function the mean would be off.
+        """Derivative in the middle, and the spread, of a quantity that is smooth but for cells.
 
         Args:
             values: Of the answers at the places.
@@ -104,7 +104,7 @@ class Window:
         return found - float(of_intervals), spread
 
     def at_middle(self, slopes: Array | Sequence[float]) -> tuple[float, float]:
-        """Of derivatives at the middles of the intervals, also in a number not in the window.
+        """Derivative in the middle, and the spread, from those at the middles of the intervals.
 
         They may change steadily along it: that is fitted, and taken at the place in the middle.
         """
@@ -120,7 +120,7 @@ class Window:
         return np.asarray(np.linalg.lstsq(powers * weights[:, None], slopes * weights)[0])
 
     def _unsteady(self, slopes: Array, degree: int) -> Array:
-        """What a polynomial that fits best leaves of slopes."""
+        """Return the residuals of slopes from the polynomial that fits them best."""
         powers = np.vander(self._offsets, degree + 1, increasing=True)
         return np.asarray(slopes - powers @ self._fit(slopes, degree))
 

@@ -1,4 +1,4 @@
-"""What a number of a scene changes of all that a problem is given, at a pseudo-time.
+"""Derivatives of the data of a problem by a number of its scene, at a pseudo-time.
 
 Where the answer is proportional to it, that of a unit; else by a complex step of the formula that
 the problem itself goes by. Automatic ε and ε₁, sizes of load steps, and what faces what of two
@@ -60,7 +60,7 @@ class Change:
     of_resultants: float = 0.0
 
     def added(self, other: Change) -> Change:
-        """Both together, of changes of supports and of scalars alone."""
+        """Return the sum with another change, of supports and of scalars alone."""
         moved = [one.prescribed for one in (self, other) if one.prescribed is not None]
         scalars = dict(self.scalars)
         for place, value in other.scalars.items():
@@ -69,7 +69,7 @@ class Change:
         return replace(self, prescribed=prescribed, scalars=scalars)
 
     def times(self, factor: float) -> Change:
-        """A multiple, likewise."""
+        """Return a multiple of the change, of supports and of scalars alone."""
         moved = None if self.prescribed is None else factor * self.prescribed
         return Change(prescribed=moved, scalars={n: factor * v for n, v in self.scalars.items()})
 
@@ -86,7 +86,7 @@ class SceneChanges:
         self.problem, self.time = problem, time
 
     def by(self, key: str) -> Change:
-        """What a number changes; collective.
+        """Return the change of the problem's data with a number; collective.
 
         Args:
             key: As of ``--set``, such as ``contact.0.friction_coefficient``.
@@ -220,7 +220,7 @@ class SceneChanges:
         return Change(contacts={number: GivenChange(across=across, along=along)})
 
     def _at_points(self, contact: ContactSurface, key: str, value: Value, rest: list[str]) -> Array:
-        """What a number changes of a value at the points."""
+        """Return the derivative of a value at the points of a contact by a number."""
         return contact.spaces.evaluate_at(_unit(key, value, rest), contact.trace.coordinates.T, key)
 
     def _of_pressure(self, number: int, contact: ContactSurface, unit: Array) -> Change:
@@ -272,7 +272,7 @@ class SceneChanges:
         return Change(contacts={number: GivenChange(gap=gap, brought_up=raised)})
 
     def _of_direction(self, key: str, number: int, name: str, axis: int) -> Change:
-        """What turns an obstacle, or the way that it is driven."""
+        """Return the change by a direction, which turns an obstacle or the way it is driven."""
         problem, contact = self.problem, self.problem.contacts[number]
         kinematics, obstacle = contact.kinematics, contact.contact.obstacle
         assert isinstance(kinematics, ObstacleKinematics) and obstacle is not None

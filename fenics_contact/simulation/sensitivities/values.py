@@ -11,7 +11,7 @@ from fenics_contact.scene.values import Profile, Value
 
 
 def found_in(scene: Any, key: str) -> Any:
-    """What a scene, or a part of it, has under a key, as of ``--set``.
+    """Return the value of a scene, or of a part of it, under a key, as of ``--set``.
 
     Raises:
         InputError: There is no such key.
