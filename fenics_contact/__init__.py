@@ -15,6 +15,10 @@ have_solver_first()
 __version__ = program.VERSION
 
 if TYPE_CHECKING:
+    from fenics_contact.analyses.derivatives.table import DerivativeRequest
+    from fenics_contact.analyses.fretting.table import FatigueLimits, Fretting, StrainLifeLine
+    from fenics_contact.analyses.stability.table import Stability
+    from fenics_contact.analyses.vibration.table import Damping, Modes
     from fenics_contact.cli.program import main, run_script
     from fenics_contact.common.errors import (
         FenicsContactError,
@@ -30,10 +34,6 @@ if TYPE_CHECKING:
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
     from fenics_contact.scene.asked.accuracy import Accuracy
-    from fenics_contact.scene.asked.derivatives import DerivativeRequest
-    from fenics_contact.scene.asked.fretting import FatigueLimits, Fretting, StrainLifeLine
-    from fenics_contact.scene.asked.stability import Stability
-    from fenics_contact.scene.asked.vibration import Damping, Modes
     from fenics_contact.scene.contact import Contact
     from fenics_contact.scene.laws.friction_laws import (
         ComplianceFriction,
@@ -171,10 +171,10 @@ _MODULES = {
     "scene.loading.cycles": ("Cycles",),
     "scene.loading.jumps": ("CycleJump",),
     "scene.loading.motion": ("Motion", "MotionModes", "Rayleigh"),
-    "scene.asked.derivatives": ("DerivativeRequest",),
-    "scene.asked.fretting": ("FatigueLimits", "Fretting", "StrainLifeLine"),
-    "scene.asked.stability": ("Stability",),
-    "scene.asked.vibration": ("Damping", "Modes"),
+    "analyses.derivatives.table": ("DerivativeRequest",),
+    "analyses.fretting.table": ("FatigueLimits", "Fretting", "StrainLifeLine"),
+    "analyses.stability.table": ("Stability",),
+    "analyses.vibration.table": ("Damping", "Modes"),
     "scene.contact": ("Contact",),
     "scene.obstacle": ("HalfSpace", "Obstacle"),
     "scene.laws.friction_laws": (

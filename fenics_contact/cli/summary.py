@@ -9,6 +9,7 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from fenics_contact.analyses import registry
 from fenics_contact.cli.cycle_plan import cycle_plan
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
@@ -26,12 +27,6 @@ from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import Check, Result
-from fenics_contact.results.words.derivatives import (
-    derivative_rows,
-    notes_on_derivatives,
-    uncertainty_rows,
-)
-from fenics_contact.results.words.fretting import fretting_plan, fretting_rows
 from fenics_contact.results.words.headlines import headlines
 from fenics_contact.results.words.short_forms import (
     in_figures,
@@ -39,9 +34,7 @@ from fenics_contact.results.words.short_forms import (
     quantity_rows,
     reaction_rows,
 )
-from fenics_contact.results.words.stability import stability_rows
 from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
-from fenics_contact.results.words.vibration import damping_rows, mode_rows
 from fenics_contact.scene.keys.reference import measured_by
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
@@ -132,8 +125,6 @@ def _conditions(scene: Scene) -> list[str]:
         held = [f"{axis} = {_given(value)}{length}" for axis, value in support.displacement.items()]
         on = f" on '{support.on}'" if support.label != support.on else ""
         lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
-    if scene.fretting is not None:
-        lines.append(fretting_plan(scene.fretting, scene.cycles is not None, names))
     for load in scene.load:
         value = _given(load.value) + unit(load, load.kind)
         lines.append(f"Load '{load.on}': {load.definition.words} {value}")
@@ -144,27 +135,8 @@ def _conditions(scene: Scene) -> list[str]:
         along = _given(preload.axis)
         place = "" if preload.between is None else f" of '{preload.group}'"
         lines.append(f"Preload '{preload.label}'{place}: force {force} along {along}{kept}")
-    return [*lines, *_vibration(scene)]
-
-
-def _vibration(scene: Scene) -> list[str]:
-    """What modes and damping were understood as."""
-    lines = []
-    if scene.modes is not None:
-        lines.append(f"Modes: the {scene.modes.number} lowest about the last state, contacts stuck")
-    if scene.damping is not None:
-        driven, names = scene.damping, names_of(scene)
-        which = "mode" if len(driven.modes) == 1 else "modes"
-        length = "" if names is None else f" {names.length}"
-        lines.append(
-            f"Damping: {which} {', '.join(map(str, driven.modes))} driven to "
-            f"{len(driven.amplitudes)} amplitudes, from {driven.amplitudes[0]:g} to "
-            f"{driven.amplitudes[-1]:g}{length}, {driven.increments} load steps a cycle"
-        )
-    if scene.stability is not None:
-        asked = scene.stability
-        over = "" if asked.up_to is None else f", followed to a coefficient of {asked.up_to:g}"
-        lines.append(f"Steady sliding: {asked.number} complex modes about the last state{over}")
+    for part in registry.parts_of_scene(scene, "words"):
+        lines += part.WORDS.plan(scene, names)
     return lines
 
 
@@ -254,17 +226,15 @@ def _print_branches(console: Terminal, result: Result) -> None:
 
 
 def _print_asked(console: Terminal, result: Result) -> None:
-    """What the scene asks for: derivatives, modes and damping, the worst places of fretting."""
-    ways = (derivative_rows, uncertainty_rows, mode_rows, damping_rows, stability_rows)
-    tables = [of(result) for of in ways]
-    for rows in (*tables, fretting_rows(result.fretting, result.units)):
-        if rows:
+    """What analyses of the scene have found."""
+    for part in registry.parts_of_result(result, "words"):
+        for rows in filter(None, part.WORDS.tables(result)):
             table = _table(*map(escape, rows[0]))
             for row in rows[1:]:
                 table.add_row(*map(escape, row))
             console.print(table)
-    for note in notes_on_derivatives(result):
-        console.print(one_line(note), markup=False, highlight=False, soft_wrap=True)
+        for note in part.WORDS.notes(result):
+            console.print(one_line(note), markup=False, highlight=False, soft_wrap=True)
 
 
 def _print_levels(console: Terminal, result: Result) -> None:

@@ -16,9 +16,10 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.paper import Paper, for_paper
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units
-from fenics_contact.report.gallery import axes_of, draw_pictures, points_of, require
+from fenics_contact.report.gallery import draw_pictures, points_of, require
 from fenics_contact.report.histories.convergence import draw_convergence
 from fenics_contact.report.page.page import Content, page
+from fenics_contact.report.run_to_draw import axes_of
 from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
 from fenics_contact.report.view.view_3d import make_view, steps_shown
 from fenics_contact.report.view.view_page import view_html

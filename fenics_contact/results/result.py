@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from fenics_contact.analyses.fretting.places import FrettingPlaces
 from fenics_contact.common.errors import StoppedError
 from fenics_contact.results.contact_points import ContactPoints
-from fenics_contact.results.fretting_places import FrettingPlaces
 from fenics_contact.results.records.record import described
 from fenics_contact.results.records.run import Outcome, RunRecord
 from fenics_contact.results.records.steps import CheckRecord

@@ -6,10 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fenics_contact.quantities import table
-from fenics_contact.scene.asked.fretting import require_fretting
-from fenics_contact.scene.asked.stability import require_stability
-from fenics_contact.scene.asked.vibration import require_vibration
+from fenics_contact.analyses import registry
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.loading.jumps import require_wear
 from fenics_contact.scene.loading.load_paths import require_cycles
@@ -45,6 +42,8 @@ def require_fit(scene: Scene) -> None:
     _require_known(scene)
     for require in _OF_TABLES:
         require(scene)
+    for part in registry.parts_of_scene(scene, "table"):
+        part.require(scene)
 
 
 def _require_vectors(scene: Scene) -> None:
@@ -125,22 +124,12 @@ def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
 
 
 def _require_known(scene: Scene) -> None:
-    """Every quantity that an accuracy or derivatives are asked of is one of the scene."""
-    if scene.tolerances and scene.derivatives is None:
-        raise ValueError(
-            "tolerances: say in [derivatives] of which quantities, such as of = ['normal_force']"
-        )
-    asked = [("accuracy", name) for name in (() if scene.accuracy is None else scene.accuracy.of)]
-    derivatives = scene.derivatives
-    asked += [("derivatives.of", name) for name in (() if derivatives is None else derivatives.of)]
-    for key, name in asked:
+    """Every quantity that an accuracy is asked of is one of the scene."""
+    for name in () if scene.accuracy is None else scene.accuracy.of:
         try:
-            found = scene.names.find(name)
+            scene.names.find(name)
         except ValueError as error:
-            raise ValueError(f"{key}: {error}") from None
-        is_vector = table.is_vector(found.quantity)
-        if key != "accuracy" and is_vector and found.axis is None:
-            raise ValueError(f"{key}: '{name}' is a vector; ask for its components, as {name}_x")
+            raise ValueError(f"accuracy: {error}") from None
 
 
 def _require_names(meshes: tuple[MeshSource, ...]) -> None:
@@ -167,7 +156,4 @@ def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
 
 
 # Of tables that not every scene has.
-_OF_TABLES = (
-    *(require_cycles, require_motion, require_wear, require_fretting, require_vibration),
-    require_stability,
-)
+_OF_TABLES = (require_cycles, require_motion, require_wear)

@@ -24,7 +24,7 @@ def given_keys(table: Any) -> dict[str, Any]:
         table: Of a scene class, or any other dataclass; keys without a default are always given.
     """
     values = {field.name: getattr(table, field.name) for field in dataclasses.fields(table)}
-    defaults = {field.name: _default(table, field) for field in dataclasses.fields(table)}
+    defaults = {name: default_of(table, name) for name in values}
     return {name: value for name, value in values.items() if value != defaults[name]}
 
 
@@ -39,11 +39,17 @@ def is_free_at_resume(table: Any, key: str) -> bool:
     return field is not None and FREE_AT_RESUME in field.metadata
 
 
-def _default(table: Any, field: dataclasses.Field[Any]) -> Any:
-    """The default of a key; of one that has none, what is no value of a scene."""
-    described = getattr(type(table), "__pydantic_fields__", {}).get(field.name)
+def default_of(table: Any, key: str) -> Any:
+    """The default of a key; of one that has none, what is no value of a scene.
+
+    Args:
+        table: Of a scene class, or any other dataclass.
+        key: Name of one of its keys.
+    """
+    described = getattr(type(table), "__pydantic_fields__", {}).get(key)
     if described is not None:
         return described.get_default(call_default_factory=True)
+    (field,) = (field for field in dataclasses.fields(table) if field.name == key)
     if field.default_factory is not dataclasses.MISSING:
         return field.default_factory()
     return field.default

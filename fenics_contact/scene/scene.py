@@ -13,12 +13,11 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from fenics_contact.analyses.derivatives.table import DerivativeRequest, as_tolerances
+from fenics_contact.analyses.fretting.table import Fretting
+from fenics_contact.analyses.stability.table import Stability
+from fenics_contact.analyses.vibration.table import Damping, Modes
 from fenics_contact.scene.asked.accuracy import Accuracy, Share, as_accuracy
-from fenics_contact.scene.asked.derivatives import DerivativeRequest
-from fenics_contact.scene.asked.fretting import Fretting
-from fenics_contact.scene.asked.stability import Stability
-from fenics_contact.scene.asked.tolerances import as_tolerances
-from fenics_contact.scene.asked.vibration import Damping, Modes
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.fit import require_fit
 from fenics_contact.scene.given_keys import FREE_AT_RESUME

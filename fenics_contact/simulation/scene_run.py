@@ -14,8 +14,6 @@ from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt, failing_together, silently
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBalance
-from fenics_contact.evaluate.fretting.criteria_at_places import evaluate_fretting
-from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.moving_forces import MovingForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import contact_points
@@ -23,21 +21,17 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.cycle_losses import cycles_record
-from fenics_contact.results.fretting_places import FrettingPlaces
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.records.contacts import ContactRecord
-from fenics_contact.results.records.fretting import FrettingRecord
 from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Result
 from fenics_contact.results.words.cycles import cycle_words
-from fenics_contact.results.words.fretting import fretting_words
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation import verdict
-from fenics_contact.simulation.asked_derivatives.asked import keys_asked_of
-from fenics_contact.simulation.asked_of_answer import AskedOfAnswer
+from fenics_contact.simulation.analysis_tasks import AnalysisTasks
 from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun
 from fenics_contact.simulation.modes_of_motion import ChosenModes, choose_modes, modes_ahead
@@ -48,8 +42,6 @@ from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.steps_of_run import RunListeners, StepsOfRun, by_default
 from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.simulation.vibration.stability import SlidingStability
-from fenics_contact.simulation.vibration.vibration import Vibration, damping_scenes
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.wear_cycle import WearCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
@@ -80,8 +72,6 @@ class Run:
         free_motion: Rigid motions that the supports leave to friction.
         choice: The solver, and how much memory it is to need.
         end: What is known once the last load step is solved.
-        vibration: Modes that the scene asks for, with their shapes, once they are found.
-        stability: Of steady sliding, likewise.
         timings: Seconds so far.
 
     Args:
@@ -121,8 +111,6 @@ class Run:
         self._kept, self._modes = kept, modes
         self.scene, self.own_mesh = scene, body is not None if own_mesh is None else own_mesh
         self.end = EndOfRun()
-        self.vibration: Vibration | None = None
-        self.stability: SlidingStability | None = None
         self._at_end: AtEnd | None = None
         self.timings = Timings()
         with failing_together(comm):
@@ -130,9 +118,9 @@ class Run:
 
     def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
         """Mesh, model and solver; collective."""
-        is_asked, passes_over = scene.derivatives is not None, scene.passes_cycles_over
-        damping_scenes(scene)  # which says what of it cannot be had
-        asks_more = is_asked or scene.modes is not None or scene.stability is not None
+        passes_over = scene.passes_cycles_over
+        self._tasks = AnalysisTasks(scene, comm)
+        asks_more = self._tasks.use_body
         moves_in_modes = scene.motion is not None and scene.motion.modes is not None
         # What is asked besides uses the body again, but does not change how the answer is computed.
         self._solves_many = self._kept is not None or passes_over or moves_in_modes
@@ -149,7 +137,7 @@ class Run:
             self._pose(Problem(once, self._kept.discrete, self.timings, by_points))
             if not self._solves_many:
                 choose_solver(self.problem, is_kept=True)  # refuses what memory will not hold later
-        self._keys = keys_asked_of(self.problem) if is_asked else []
+        self._tasks.require(self.problem)
 
     def _pose(self, problem: Problem) -> None:
         """Take a problem to be solved next; collective."""
@@ -219,9 +207,9 @@ class Run:
         return self._history.energy_balance
 
     @property
-    def stress_history(self) -> StressHistory | None:
-        """Stress near the contacts along them, where the scene asks for fretting."""
-        return self._history.stress
+    def analyses(self) -> AnalysisTasks:
+        """What analyses of the scene do in this run, with what they have found."""
+        return self._tasks
 
     @property
     def model(self) -> Model:
@@ -268,7 +256,7 @@ class Run:
             if state is not None:
                 state.make_folder()
             self._choose_modes()
-            parts = (self.scene, self._history, self.timings, listeners)
+            parts = (self.scene, self._history, self._tasks, self.timings, listeners)
             return self._solve(StepsOfRun(*parts, state, saved, guess), saved)
 
     def _solve(self, taken: StepsOfRun, saved: SavedRun | None) -> Result:
@@ -277,7 +265,7 @@ class Run:
         begin_motion(self.problem, self.timings)
         history.begin([] if saved is None else saved.steps)
         with self.timings.phase("output"):
-            history.follow_stress(self.scene.fretting)
+            self._tasks.begin(self.problem)
         self.end = EndOfRun()
         try:
             condense = None if self._kept is None else self._kept.condense
@@ -303,8 +291,7 @@ class Run:
     @property
     def _is_judged(self) -> bool:
         """Whether more than the answer is asked for."""
-        asked = self.scene.derivatives or self.scene.modes or self.scene.stability
-        return self.scene.solver.errors != "none" or asked is not None
+        return self.scene.solver.errors != "none" or self._tasks.use_body
 
     def _judge_motion(self) -> None:
         """Estimate the errors of its last step; collective."""
@@ -313,15 +300,12 @@ class Run:
             self.end.take_budget(self.problem.comm, MotionErrors(*parts, self._again).budget)
 
     def with_all_asked(self, result: Result) -> Result:
-        """With derivatives and modes that the scene asks for, if any; collective.
+        """With what analyses of the scene find once the answer is there, if any; collective.
 
         Args:
             result: Of this run, that converged.
         """
-        asked = AskedOfAnswer(self.scene, self._keys, self._kept_body, self.problem.comm)
-        result = asked.add_to(result, self.timings)
-        self.vibration, self.stability = asked.vibration, asked.stability
-        return result
+        return self._tasks.complete(result, self._kept_body, self.timings)
 
     def _kept_body(self) -> KeptBody:
         """The body for what is asked of the answer; of a run on several meshes one of its own."""
@@ -357,10 +341,12 @@ class Run:
         with self.timings.phase("output"):
             checks = (self.end.checks or history.checks()) | modes.check(history.steps)
             points = contact_points(problem, solution)
-            fretting, places = self._fretting() or (None, None)
+            not_found: list[str] = []
+            found = self._tasks.evaluate(not_found)
         contacts = self.contacts(history.by_contact)
         far = () if self.scene.half_space is None else (self.scene.half_space.label,)
-        losses, notes = self.end.budget.losses, [*history.notes, *self.end.notes]
+        losses = self.end.budget.losses
+        notes = [*history.notes, *self._tasks.notes, *not_found, *self.end.notes]
         passes = cycles_of(self.scene)
         count = partial(cycles_record, history.steps, contacts, passes, far, losses)
         cycles = attempt(problem.comm, "Losses of cycles were not found", count, None, notes)
@@ -373,7 +359,7 @@ class Run:
             converged=True,
             verdict=said
             + cycle_words(cycles)
-            + fretting_words(self.scene.fretting, fretting)
+            + found.words
             + self.end.others.words()
             + modes.words(history.steps)
             + "".join(f" {note}" for note in notes),
@@ -386,7 +372,6 @@ class Run:
             steps=history.steps,
             cycles=cycles,
             slip_limit=near,
-            fretting=fretting,
             checks=checks,
             branches=self.end.others.branches,
             errors=self.end.budget.quantities,
@@ -395,17 +380,8 @@ class Run:
             versions=compat.versions(),
             units=units_of(self.scene, quantities),
             points=points,
-            fretting_places=places,
+            **found.attributes,
         )
-
-    def _fretting(self) -> tuple[FrettingRecord, FrettingPlaces] | None:
-        """Where fatigue is worst, where the scene asks for it; collective."""
-        stress, asked, comm = self._history.stress, self.scene.fretting, self.problem.comm
-        if stress is None or asked is None:
-            return None
-        evaluate = partial(evaluate_fretting, self.problem, asked, stress)
-        missing, notes = "Fretting was not evaluated", self._history.notes
-        return attempt(comm, missing, evaluate, None, notes)
 
     def _stopped_short(self, words: str, steps: list[StepRecord]) -> Result:
         """What there is of a history that did not reach its end; collective.

@@ -11,7 +11,6 @@ from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.contact_quantities import contact_quantities, slid
 from fenics_contact.evaluate.energy_balance import EnergyBalance
-from fenics_contact.evaluate.fretting.history import StressHistory
 from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.load_drives import load_records
 from fenics_contact.evaluate.momentum_balance import MomentumBalance
@@ -24,7 +23,6 @@ from fenics_contact.results.records.contacts import StepContact
 from fenics_contact.results.records.slip_limit import SlipLimitRecord
 from fenics_contact.results.records.steps import Largest, LoadRecord, StepRecord
 from fenics_contact.results.result import Check
-from fenics_contact.scene.asked.fretting import Fretting
 from fenics_contact.simulation.description import regularisation_of
 from fenics_contact.simulation.output.functions import Fields, fields_of
 from fenics_contact.solve.newton.solution import Solution
@@ -52,7 +50,6 @@ class StepHistory(Generic[_Forces]):
         steps: What came out of each.
         energy_balance: Work and energies along them.
         momenta: Impulses along them, where bodies move.
-        stress: That near contacts along them, where somebody asks for it.
         solution: Nodal values of this rank of the last one, None before there is one.
         forces: Nodal forces that the bulk needs there.
         by_contact: Quantities of each contact there.
@@ -70,7 +67,6 @@ class StepHistory(Generic[_Forces]):
         self._problem, self._timings, self._forces_of = problem, timings, forces_of
         self.steps: list[StepRecord] = []
         self.notes: list[str] = []
-        self.stress: StressHistory | None = None
         self.solution: Solution | None = None
         self._fields: tuple[Solution, Fields] | None = None
 
@@ -86,10 +82,6 @@ class StepHistory(Generic[_Forces]):
         if self._fields is None or self._fields[0] is not self.solution:
             self._fields = self.solution, fields_of(self._problem, self.solution)
         return self._fields[1]
-
-    def follow_stress(self, asked: Fretting | None) -> None:
-        """Keep the stress near the contacts along the load steps, where fretting is asked for."""
-        self.stress = None if asked is None else StressHistory(self._problem, asked)
 
     def begin(self, steps: Sequence[StepRecord]) -> None:
         """Forget all, but steps of an earlier run to go on from."""
@@ -116,8 +108,6 @@ class StepHistory(Generic[_Forces]):
         self.energy_balance.resume(sums[:of_energies], self.forces)
         if self._problem.inertia.moves:
             self.momenta.resume(sums[of_energies:], self.by_contact)
-        if self.stress is not None:
-            self.stress.resume()
 
     def add(self, time: float, solution: Solution) -> None:
         """Keep what came out of a load step, before slip is counted anew; collective.
@@ -160,9 +150,6 @@ class StepHistory(Generic[_Forces]):
                 cycle=solution.cycle,
             )
         )
-        if self.stress is not None:
-            with self._timings.phase("output"):
-                self._add_stress(self.stress, time, solution)
 
     def _sizes(self, solution: Solution) -> dict[str, dict[str, Any]]:
         """Of what linear theory takes to be small; collective."""
@@ -173,14 +160,6 @@ class StepHistory(Generic[_Forces]):
             return self._linear_range.of(solution)
 
         return attempt(self._problem.comm, missing, find, found, self.notes)
-
-    def _add_stress(self, stress: StressHistory, time: float, solution: Solution) -> None:
-        """Those of a load step; none at all where one of them fails; collective."""
-        before, missing = len(self.notes), "Fretting was not evaluated"
-        add = partial(stress.add, time, solution)
-        attempt(self._problem.comm, missing, add, None, self.notes)
-        if len(self.notes) > before:
-            self.stress = None
 
     @property
     def _looks_inside(self) -> bool:

@@ -20,6 +20,7 @@ from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 from fenics_contact.scene.units.table import names_of
+from fenics_contact.simulation.analysis_tasks import AnalysisTasks
 from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
@@ -62,6 +63,7 @@ class StepsOfRun(StepListener):
     Args:
         scene: What is solved; where cycles are passed over, its model is of one of them.
         history: To which they are added.
+        tasks: Analyses that follow them.
         timings: To which what it takes is counted.
         listeners: Who is told.
         state: Where to keep the state of every accepted load step.
@@ -77,6 +79,7 @@ class StepsOfRun(StepListener):
         self,
         scene: Scene,
         history: StepHistory[Any],
+        tasks: AnalysisTasks,
         timings: Timings,
         listeners: RunListeners,
         state: StateFile | None = None,
@@ -84,6 +87,7 @@ class StepsOfRun(StepListener):
         guess: Unknowns | None = None,
     ) -> None:
         self._scene, self._history, self._timings = scene, history, timings
+        self._tasks = tasks
         self._listeners = listeners
         self._state, self._saved, self._guess = state, saved, guess
         self._cycles: CyclesOfRun | None = None
@@ -143,10 +147,13 @@ class StepsOfRun(StepListener):
         else:
             solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.auxiliary)
         self._history.resume(solution, saved.energy)
+        self._tasks.resumed()
 
     def accepted(self, step: AcceptedStep) -> None:
         """Record a load step, and tell of it; collective."""
         self._history.add(step.time, step.solution)
+        with self._timings.phase("output"):
+            self._tasks.accepted(step.time, step.solution)
         self._tell()
 
     def _tell(self) -> None:

@@ -25,10 +25,10 @@ from fenics_contact.report.contacts.maps import draw_maps
 from fenics_contact.report.drawing.field_files import whole_body
 from fenics_contact.report.drawing.fields import read_series
 from fenics_contact.report.drawing.figures import style
-from fenics_contact.report.gallery import axes_of
 from fenics_contact.report.histories.load_steps import draw_history
 from fenics_contact.report.page.page import Content, page
 from fenics_contact.report.report import write_report
+from fenics_contact.report.run_to_draw import axes_of
 from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
 from fenics_contact.report.view.view_3d import make_view
 from fenics_contact.report.view.view_page import view_html

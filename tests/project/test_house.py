@@ -27,6 +27,14 @@ ORDER = (
     ),
     *("evaluate", "trust", "simulation", "report", "explore", "verification", "cli"),
 )
+# Parts of analyses stand where those of other packages of their kind do; what is computed, last.
+ANALYSES = {
+    **dict.fromkeys(("analysis", "registry", "__init__"), "common"),
+    "table": "scene",
+    **dict.fromkeys(("record", "places", "words", "files"), "results"),
+    **dict.fromkeys(("page", "pictures", "places_file"), "report"),
+    **dict.fromkeys(("curves", "shapes", "damping_curves", "mode_pictures"), "report"),
+}
 # A package that holds others: from the ground up.
 INSIDE = {
     "contact": ("surface", "mortar", "kinematics", "laws"),
@@ -56,6 +64,15 @@ def imports(path: Path) -> set[str]:
     return found
 
 
+def place(path: Path) -> tuple[str, ...]:
+    """The package that a module counts to, and where it is in there."""
+    room, *rest = path.with_suffix("").parts
+    if room != "analyses":
+        return room, *rest
+    part = next((part for part in rest if part in ANALYSES), "__init__" if len(rest) < 2 else "")
+    return ANALYSES.get(part, "simulation"), "analyses", *rest
+
+
 def upwards(path: Path, names: set[str]) -> list[str]:
     """The imports of a file that do not go to the left.
 
@@ -63,13 +80,13 @@ def upwards(path: Path, names: set[str]) -> list[str]:
         path: Within the package.
         names: Of the modules that it imports.
     """
-    room, *rest = path.parts
+    room, *rest = place(path)
     found = []
     for name in sorted(names):
         of, _, target = name.partition(".")
         if of != "fenics_contact" or not target:
             continue
-        there, *inner = target.split(".")
+        there, *inner = place(Path(*target.split(".")))
         if there in ORDER and ORDER.index(there) > ORDER.index(room):
             found.append(f"{path} imports {name}")
         order = INSIDE.get(room, ())
@@ -85,7 +102,7 @@ def files() -> list[Path]:
 
 def test_every_package_has_its_place() -> None:
     found = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
-    assert found == set(ORDER)
+    assert found == {*ORDER, "analyses"}
     assert len(files()) > 250
     for room, inside in INSIDE.items():
         assert all((PACKAGE / room / name / "__init__.py").exists() for name in inside), room
@@ -125,6 +142,15 @@ def test_what_is_read_without_fenicsx_does_not_load_it() -> None:
                 )
             }
             assert not names & HEAVY, path
+
+
+def test_no_analysis_needs_another_one() -> None:
+    for folder in (path for path in (PACKAGE / "analyses").iterdir() if path.is_dir()):
+        names = {name for path in folder.glob("*.py") for name in imports(path)}
+        others = {
+            name.split(".")[2] for name in names if name.startswith("fenics_contact.analyses.")
+        }
+        assert others <= {"analysis", "registry", folder.name}, folder
 
 
 def test_no_folder_is_crowded() -> None:

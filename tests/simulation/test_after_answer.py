@@ -7,10 +7,10 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Modes, Run, run
+from fenics_contact.analyses.derivatives.table import DerivativeRequest
 from fenics_contact.cli import commands
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt
-from fenics_contact.scene.asked.derivatives import DerivativeRequest
 from fenics_contact.simulation import asked_of_answer, end_of_run, scene_run, verdict
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.restart.state_file import StateFile

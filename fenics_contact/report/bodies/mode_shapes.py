@@ -1,10 +1,9 @@
-"""The shapes of natural modes, a panel each."""
+"""The shapes in which bodies vibrate, a panel each."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import closing
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,53 +15,21 @@ from fenics_contact.report.drawing.fields import (
     Triangles,
     flat_outline,
     outline,
-    read_modes,
     surface,
 )
-from fenics_contact.report.drawing.figures import new_figure, save, set_title
-from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.figures import new_figure, set_title
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, WIDE
-from fenics_contact.report.drawing.units import with_unit
-from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.records.vibration import ModeRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from pyvista import UnstructuredGrid
 
-_MOST = 6
 MOVE = 0.12  # of the body's diagonal: the largest displacement that is drawn
 _HEIGHTS, _TITLE = (0.7, 3.0), 0.35  # of a panel and of its title, in inches
 _SLENDER = 0.4  # height over width of bodies of which each has a row of its own
 _PIXELS, _WHITE = 900, 250
 _TOWARDS = np.array([1.0, -1.6, 1.0]) / np.linalg.norm([1.0, -1.6, 1.0])
-
-
-def draw_mode_shapes(folder: Path, result: Outcome) -> list[Picture]:
-    """Draw ``modes.png``, the lowest natural modes of a run that looked for some.
-
-    Args:
-        folder: Of the run, which holds ``modes.pvd``.
-        result: The content of its ``result.json``.
-
-    Raises:
-        InputError: A display is missing for bodies in space; says what to install.
-    """
-    shapes = shapes_of(folder, result)
-    if not shapes:
-        return []
-    path = folder / "modes.png"
-    save(figure_of_shapes(shapes, result.model.kinematics == "3D"), path, tight=True)
-    return [Picture(path, "Shapes of the natural modes", _caption(len(shapes), result))]
-
-
-def shapes_of(folder: Path, result: Outcome) -> dict[str, UnstructuredGrid]:
-    """The lowest natural modes of a run, by the titles of their panels; none without a file."""
-    modes = list(result.modes)[:_MOST]
-    if not modes or not (folder / "modes.pvd").exists():
-        return {}
-    return {_title(mode): shape for mode, shape in zip(modes, read_modes(folder), strict=False)}
 
 
 def figure_of_shapes(shapes: Mapping[str, UnstructuredGrid], in_space: bool) -> Figure:
@@ -99,18 +66,6 @@ def _panels(count: int, height: float, columns: int) -> tuple[Figure, list[Axes]
     rows, tall = -(-count // columns), float(np.clip(across * height, *_HEIGHTS))
     size = across * columns, (tall + _TITLE) * rows
     return new_figure("", size, nrows=rows, ncols=columns)
-
-
-def _title(mode: ModeRecord) -> str:
-    return f"Mode {mode.number}, f = {with_unit(f'{mode.natural_frequency:.5g}', 'cycles/time')}"
-
-
-def _caption(count: int, result: Outcome) -> str:
-    more = f", the lowest {count} of {len(result.modes)}" if count < len(result.modes) else ""
-    return (
-        f"Shapes of the natural modes{more}, with what carries pressure stuck; any size. Coloured "
-        "by the size of the displacement over the largest; grey, the body at rest."
-    )
 
 
 def _height(body: UnstructuredGrid) -> float:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from fenics_contact.report.drawing.field_files import whole_body
 from fenics_contact.report.drawing.figures import plain
 from fenics_contact.report.drawing.style import LINES
-from fenics_contact.report.gallery import axes_of, far_supports, points_of, scene_of
+from fenics_contact.report.gallery import points_of, scene_of
+from fenics_contact.report.run_to_draw import axes_of, far_supports
 from fenics_contact.results.comparison.runs import ComparedRun
 from fenics_contact.results.contact_table import ContactTable
 from fenics_contact.results.load_history import Drive, History

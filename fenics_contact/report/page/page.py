@@ -1,6 +1,6 @@
 """The page of a run: all it has to say, in one file that needs nothing else to be shown.
 
-A section is a template of its name and a line in ``SECTIONS``.
+A section is a template of its name and a line in ``SECTIONS``; analyses bring their own.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from importlib import resources
 
 from markupsafe import Markup
 
+from fenics_contact.analyses import registry
 from fenics_contact.common import program
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.page import tables
@@ -18,16 +19,8 @@ from fenics_contact.report.page.templates import render
 from fenics_contact.results.accuracy_messages import level_rows
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.words.cycles import cycle_rows, cycle_words
-from fenics_contact.results.words.derivatives import (
-    derivative_rows,
-    notes_on_derivatives,
-    uncertainty_rows,
-)
-from fenics_contact.results.words.fretting import fretting_rows
 from fenics_contact.results.words.headlines import headlines
-from fenics_contact.results.words.stability import stability_rows, stability_words
 from fenics_contact.results.words.tables import branch_rows
-from fenics_contact.results.words.vibration import damping_rows, mode_rows
 
 
 @dataclass(frozen=True)
@@ -83,10 +76,9 @@ SECTIONS = (
     ),
     Section("quantities", "Quantities and errors", lambda content: bool(content.result.quantities)),
     Section("cycles", "Cycles", lambda content: content.result.cycles is not None),
-    Section("fretting", "Fretting", lambda content: bool(fretting_rows(content.result.fretting))),
-    Section("vibration", "Vibration", lambda content: bool(content.result.modes)),
-    Section("stability", "Steady sliding", lambda content: bool(content.result.stability)),
-    Section("sensitivities", "Sensitivities", lambda content: bool(content.result.derivatives)),
+)
+# After those of the analyses.
+_LAST_SECTIONS = (
     Section("scene", "Scene"),
     Section("model", "Model"),
     Section("contacts", "Contacts", lambda content: bool(content.result.contacts)),
@@ -102,12 +94,18 @@ def page(content: Content) -> str:
     """The whole page."""
     result = content.result
     last = result.steps[-1] if result.steps else None
+    parts = registry.parts_of_result(result, "page")
+    of_analyses = [section for part in parts if (section := part.PAGE.section(result))]
     imbalances = [f"{x:.3e}" for x in last.imbalances] if last else []
     return render(
         "page.html",
         content=content,
         result=result,
-        sections=[section for section in SECTIONS if section.is_there(content)],
+        sections=[
+            *(section for section in SECTIONS if section.is_there(content)),
+            *of_analyses,
+            *(section for section in _LAST_SECTIONS if section.is_there(content)),
+        ],
         tables=tables,
         program=program,
         title=result.title or content.name,
@@ -120,17 +118,10 @@ def page(content: Content) -> str:
         levels=level_rows(result),
         cycle_words=cycle_words(result.cycles).strip(),
         cycles=cycle_rows(result.cycles, result.units),
-        fretting=fretting_rows(result.fretting, result.units),
-        modes=mode_rows(result),
-        damping=damping_rows(result),
-        stability=stability_rows(result),
-        stability_words=result.stability and stability_words(result.stability, result.units),
-        derivatives=derivative_rows(result),
-        notes_on_derivatives=notes_on_derivatives(result),
-        uncertainties=uncertainty_rows(result),
         last_imbalances=", ".join(imbalances) or "none",
         ranks=result.model.ranks,
         is_of_script=result.scene.startswith("# This file cannot be run"),
+        **{name: value for section in of_analyses for name, value in section.values.items()},
     )
 
 

@@ -220,23 +220,6 @@ def contact_table(contact: ContactRecord, units: UnitsRecord | None) -> Markup:
     return plain_table({**kind, **used}, f"Contact '{contact.name}'")
 
 
-def sensitivity_charts(result: Outcome) -> Iterator[tuple[str, Markup]]:
-    """Of each quantity, bars of its normalised derivatives, the largest first.
-
-    Args:
-        result: With derivatives.
-    """
-    for name, slopes in result.derivatives.items():
-        sizes = {key: found.normalised for key, found in slopes.items()}
-        known = {key: size for key, size in sizes.items() if size is not None}
-        rows: list[list[str]] = [["number of the scene", "percent for a percent", ""]]
-        most = max(map(abs, known.values()), default=0.0)
-        for key, size in sorted(known.items(), key=lambda entry: -abs(entry[1])):
-            rows.append([key, f"{size:+.3g}", bar(abs(size) / most if most else 0.0, "")])
-        if known:
-            yield name, table(rows, f"Normalised derivatives of {name}")
-
-
 def steps_table(steps: list[StepRecord], units: UnitsRecord | None) -> Markup:
     """Load steps with their iterations and the imbalance that was left.
 

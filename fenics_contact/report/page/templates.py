@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
+from importlib import resources
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, FunctionLoader, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from fenics_contact.analyses import registry
 from fenics_contact.common.plain_text import printable
 from fenics_contact.report.drawing.palette import small_png
 
@@ -30,8 +32,17 @@ def data_uri(path: Path) -> str:
     return f"data:{_KINDS[path.suffix]};base64,{content}"
 
 
+def _of_analyses(name: str) -> str | None:
+    """The text of a template in the folder of an analysis; None where no analysis has it."""
+    for analysis in registry.every():
+        file = resources.files(analysis.package).joinpath(name)
+        if file.is_file():
+            return file.read_text(encoding="utf-8")
+    return None
+
+
 _environment = Environment(
-    loader=PackageLoader(__package__),
+    loader=ChoiceLoader([PackageLoader(__package__), FunctionLoader(_of_analyses)]),
     autoescape=True,
     undefined=StrictUndefined,
     finalize=lambda value: value if isinstance(value, Markup) else printable(str(value)),

@@ -6,6 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from fenics_contact.analyses.derivatives.record import Derivative, Uncertainty
+from fenics_contact.analyses.fretting.record import FrettingRecord
+from fenics_contact.analyses.stability.record import StabilityRecord
+from fenics_contact.analyses.vibration.record import DampingRecord, ModeRecord
 from fenics_contact.results.records.contacts import (
     ContactRecord,
     PreloadRecord,
@@ -13,16 +17,11 @@ from fenics_contact.results.records.contacts import (
     SupportRecord,
 )
 from fenics_contact.results.records.cycles import CyclesRecord
-from fenics_contact.results.records.derivatives import Derivative
-from fenics_contact.results.records.fretting import FrettingRecord
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record
 from fenics_contact.results.records.slip_limit import SlipLimitRecord
-from fenics_contact.results.records.stability import StabilityRecord
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
-from fenics_contact.results.records.uncertainty import Uncertainty
 from fenics_contact.results.records.units import UnitsRecord
-from fenics_contact.results.records.vibration import DampingRecord, ModeRecord
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

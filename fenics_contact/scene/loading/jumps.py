@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
+from fenics_contact.analyses import registry
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.values import Integer, Number, scene_class
 
@@ -86,8 +87,7 @@ def _require_jumps(scene: Scene, worn: int | None) -> None:
         )
     others = {
         "accuracy": scene.accuracy is not None,
-        "derivatives": scene.derivatives is not None,
-        "fretting": scene.fretting is not None,
+        **dict.fromkeys(registry.tables_not_with(scene, "jumps"), True),
         "solver.branches": scene.solver.branches,
         f"solver.solver = '{scene.solver.solver}'": scene.solver.solver in ("full", "iterative"),
     }

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
+from fenics_contact.analyses import registry
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.steps import Steps
 from fenics_contact.scene.units.dimensions import RATE, TIME, VELOCITY
@@ -169,10 +170,7 @@ def require_motion(scene: Scene) -> None:
         "cycles": scene.cycles is not None,
         "half_space": scene.half_space is not None,
         "accuracy": scene.accuracy is not None,
-        "derivatives": scene.derivatives is not None,
-        "fretting": scene.fretting is not None,
-        "modes": scene.modes is not None,
-        "damping": scene.damping is not None,
+        **dict.fromkeys(registry.tables_not_with(scene, "motion"), True),
         "solver.branches": scene.solver.branches,
         "solver.stabilisation": scene.solver.stabilisation,
     }

@@ -276,9 +276,9 @@ class AdaptiveRun:
         return dataclasses.replace(found, interrupted=True)
 
     def _done(self, result: Result, reason: str) -> Result:
-        """Return the result of the last level, with requested derivatives and modes; collective."""
+        """Return the result of the last level, with what its analyses find; collective."""
         found = self.run.with_all_asked(result)
-        for phase in ("derivatives", "vibration", "stability"):
+        for phase in self.run.analyses.phases:
             self._seconds[phase] = found.timings[phase]
             self._seconds["total"] += found.timings[phase]
         return self._with_levels(found, reason)

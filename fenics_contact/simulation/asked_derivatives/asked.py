@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fenics_contact.analyses.derivatives.record import Derivative, Derivatives
 from fenics_contact.common.errors import InputError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
-from fenics_contact.results.records.derivatives import Derivative, Derivatives
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.asked_derivatives.means import Mean, Means
 from fenics_contact.simulation.sensitivities.derivatives import keys_of

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from fenics_contact.results.records.derivatives import Derivative
-from fenics_contact.results.records.uncertainty import Uncertainty
+from fenics_contact.analyses.derivatives.record import Derivative, Uncertainty
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sweeps.rows import BAR, Row, row_of

@@ -17,6 +17,7 @@ from typing import Any
 
 from mpi4py import MPI
 
+from fenics_contact.analyses import registry
 from fenics_contact.common.atomic_files import make_folder, naming, replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import attempt, failing_together
@@ -27,9 +28,6 @@ from fenics_contact.scene.scene import Scene, Steps
 from fenics_contact.scene.writing import write_scene
 from fenics_contact.simulation.output.contact_rows import contact_rows
 from fenics_contact.simulation.output.fields import FieldSeries
-from fenics_contact.simulation.output.fretting_file import write_fretting
-from fenics_contact.simulation.output.mode_files import damping_rows, write_modes
-from fenics_contact.simulation.output.stability_files import curve_rows, write_complex_modes
 from fenics_contact.simulation.output.step_table import StepTable
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_run import Run
@@ -145,11 +143,11 @@ def solve_levels_and_write(
         return result
 
     with failing_together(comm):
-        on_root(comm, lambda: _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}"))
+        on_root(comm, lambda: _clear(folder, f"{_of_the_end()}|{_OF_STEPS}"))
         scene = _write_scene(first, folder)
         result = levels.solve(solve_level)
         notes: list[str] = []
-        _write_modes(levels.run, folder, notes)
+        levels.run.analyses.write_fields(levels.run.problem, result, folder, notes)
         result = _noted(result, notes)
         on_root(comm, lambda: _write_level(result, folder, aside, scene))
     return result
@@ -158,7 +156,7 @@ def solve_levels_and_write(
 def _take_place(aside: Path, folder: Path) -> None:
     """Files of a level that is whole take the place of those of the one before."""
     with naming(folder):
-        _clear(folder, f"{_OF_THE_END}|{_OF_STEPS}")
+        _clear(folder, f"{_of_the_end()}|{_OF_STEPS}")
         for path in sorted(aside.iterdir(), key=lambda path: path.name == "result.json"):
             path.replace(folder / path.name)
 
@@ -199,13 +197,9 @@ def _write_scene(run: Run, folder: Path) -> str:
 
 def _finish(run: Run, result: Result, folder: Path, scene: str, notes: list[str]) -> Result:
     """Files of the end; returns the result that says what could not be written."""
-    comm, spaces = run.problem.comm, run.problem.spaces
+    comm = run.problem.comm
     with run.timings.phase("output"):
-        _write_modes(run, folder, notes)
-        if result.fretting_places is not None and run.solution is not None:
-            found = result.fretting_places, run.solution.displacement
-            draw = partial(write_fretting, spaces, *found, folder)
-            attempt(comm, "Fields of fretting were not written", draw, None, notes)
+        run.analyses.write_fields(run.problem, result, folder, notes)
         result = _noted(result, notes)
         on_root(comm, lambda: _write_tables(result, folder, scene))
     return result
@@ -214,16 +208,6 @@ def _finish(run: Run, result: Result, folder: Path, scene: str, notes: list[str]
 def _noted(result: Result, notes: list[str]) -> Result:
     """With sentences on what the run could not write."""
     return replace(result, verdict=" ".join([result.verdict, *notes])) if notes else result
-
-
-def _write_modes(run: Run, folder: Path, notes: list[str]) -> None:
-    comm, spaces = run.problem.comm, run.problem.spaces
-    if run.vibration is not None:
-        draw = partial(write_modes, spaces, run.vibration.shapes, folder)
-        attempt(comm, "Fields of modes were not written", draw, None, notes)
-    if run.stability is not None:
-        draw = partial(write_complex_modes, spaces, run.stability.shapes, folder)
-        attempt(comm, "Fields of complex modes were not written", draw, None, notes)
 
 
 class StepFiles:
@@ -238,7 +222,7 @@ class StepFiles:
     def __init__(self, run: Run, folder: Path, resumed: float | None = None) -> None:
         self._run, self._comm = run, run.problem.comm
         self.notes: list[str] = []
-        names = _OF_THE_END if resumed is not None else f"{_OF_THE_END}|{_OF_STEPS}"
+        names = _of_the_end() if resumed is not None else f"{_of_the_end()}|{_OF_STEPS}"
         on_root(self._comm, lambda: _clear(folder, names))
         self._table = StepTable(folder / "steps.csv")
         self._fields = FieldSeries(run.problem, folder, resumed)
@@ -313,19 +297,22 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
     r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
-    r"|damping|modes|stability|squeal|contact_\d+|contact_\d+_formula|stress_\d+|fretting_\w+"
-    r"|wear|wear_\d+)\.(png|pdf)"
+    r"|contact_\d+|contact_\d+_formula|stress_\d+|wear|wear_\d+)\.(png|pdf)"
     r"|(animation_(body|\d+)|wear_\d+)\.gif"
-)
-# Those that say how a run ended, which is not true any more when it goes on.
-_OF_THE_END = (
-    rf"result\.json|(contact|fretting|damping|stability)\.csv|(report|wear)\.html"
-    rf"|(modes|squeal|fretting)(\.pvd|\d{{6}}\.p?vtu|_p\d+_\d{{6}}\.vtu)|{_PICTURES}"
 )
 _LEVEL = "next_level"  # folder of a level that is not whole yet
 _OF_STEPS = (
     r"steps\.csv|wear\.csv|wear_profiles\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 )
+
+
+def _of_the_end() -> str:
+    """Names of files that say how a run ended, which is not true any more when it goes on."""
+    every = registry.every()
+    files = [r"result\.json|contact\.csv|(report|wear)\.html", _PICTURES]
+    files += [analysis.files for analysis in every if analysis.files]
+    pictures = "|".join(analysis.pictures for analysis in every if analysis.pictures)
+    return "|".join([*files, rf"({pictures})\.(png|pdf|gif)"])
 
 
 def _clear(folder: Path, names: str) -> None:
@@ -339,16 +326,13 @@ def _clear(folder: Path, names: str) -> None:
 def _write_tables(result: Result, folder: Path, scene: str) -> None:
     if result.points is not None:
         _replace(folder / "contact.csv", contact_rows(result.points, result.contacts))
-    if result.fretting_places is not None:
-        _replace(folder / "fretting.csv", result.fretting_places.rows())
     _write_result(result, folder, scene)
 
 
 def _write_result(result: Result, folder: Path, scene: str) -> None:
-    if result.damping:
-        _replace(folder / "damping.csv", damping_rows(result.damping))
-    if result.stability is not None and result.stability.curve:
-        _replace(folder / "stability.csv", curve_rows(result.stability))
+    for part in registry.parts_of_result(result, "files"):
+        for name, rows in part.tables(result).items():
+            _replace(folder / name, rows)
     # Last, and in one move: where it exists, the run is complete.
     content = _finite(result.record(scene).as_dict())
     text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)

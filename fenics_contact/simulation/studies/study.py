@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
+from fenics_contact.analyses.vibration.vibration import Vibration, vibration_of
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
@@ -26,7 +27,6 @@ from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body, text_of
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.simulation.studies.solved_history import History, solved_history
-from fenics_contact.simulation.vibration.vibration import Vibration, vibration_of
 from fenics_contact.simulation.worn.wear_cycle import WearCycle, one_cycle
 from fenics_contact.simulation.worn.wear_cycles import WearCycles
 from fenics_contact.simulation.worn.worn_files import WornFiles

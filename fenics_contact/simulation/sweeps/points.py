@@ -9,8 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from fenics_contact.analyses import registry
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.errors import InputError
+from fenics_contact.scene.given_keys import default_of
 from fenics_contact.scene.reading import SceneFile
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.body_of_study import mesh_key
@@ -62,9 +64,7 @@ def points_of(file: SceneFile, overrides: Sequence[str], grid: Grid) -> list[Poi
     for number, settings in enumerate(grid.settings()):
         try:
             data = file.data(overrides, settings)
-            scene = replace(
-                file.scene(overrides, settings), derivatives=None, tolerances={}, fretting=None
-            )
+            scene = without_analyses(file.scene(overrides, settings))
         except InputError as error:
             first = first or error
             points.append(Point(number, digest_of(settings), None, str(error)))
@@ -73,6 +73,12 @@ def points_of(file: SceneFile, overrides: Sequence[str], grid: Grid) -> list[Poi
     if first is not None and all(point.scene is None for point in points):
         raise first
     return points
+
+
+def without_analyses(scene: Scene) -> Scene:
+    """The scene for its answer alone."""
+    tables = [key for analysis in registry.asked_by(scene) for key in analysis.tables]
+    return replace(scene, **{key: default_of(scene, key) for key in tables})
 
 
 def groups_of(points: Sequence[Point], grid: Grid, left: set[int]) -> list[Group]:

@@ -13,15 +13,16 @@ from math import pi, sqrt
 
 import numpy as np
 
+from fenics_contact.analyses.fretting.recovery import Recovery
+from fenics_contact.analyses.fretting.region import tensors
+from fenics_contact.analyses.fretting.table import Fretting
+from fenics_contact.analyses.fretting.task import Task
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import on_root
 from fenics_contact.common.program import mesh_file
 from fenics_contact.contact.state import STICK
-from fenics_contact.evaluate.fretting.recovery import Recovery
-from fenics_contact.evaluate.fretting.region import tensors
 from fenics_contact.results.result import Result
-from fenics_contact.scene.asked.fretting import Fretting
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.material import Material
@@ -170,7 +171,9 @@ def _edge_stress(prepared: Run, pulled: Pulled) -> float:
     At the edge itself the stress has a cusp that no mesh resolves; inside of it, up to where it
     sticks, that difference is smooth.
     """
-    history = prepared.stress_history
+    task = prepared.analyses.of("fretting")
+    assert isinstance(task, Task)
+    history = task.history
     assert history is not None and history.region.cells is not None and history.samples is not None
     recovery = Recovery(history.region.cells, 2)
     x, y = recovery.coordinates[:, 0], recovery.coordinates[:, 1]

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
+from fenics_contact.analyses.fretting.table import FatigueLimits, Fretting, StrainLifeLine
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.scene.asked.fretting import FatigueLimits, Fretting, StrainLifeLine
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load
 from fenics_contact.scene.loading.cycles import Cycles

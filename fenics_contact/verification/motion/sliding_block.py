@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from fenics_contact.analyses.stability.table import Stability
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
-from fenics_contact.scene.asked.stability import Stability
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.loading.motion import Motion

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fenics_contact.analyses.stability.flutter import exponents, first_growth, grows, lowest_squares
+from fenics_contact.analyses.stability.table import Stability
 from fenics_contact.common.arrays import Array
-from fenics_contact.scene.asked.stability import Stability
-from fenics_contact.solve.modes.flutter import exponents, first_growth, grows, lowest_squares
 from fenics_contact.verification.case import Case, Finding, solved
 from fenics_contact.verification.motion.sliding_block import (
     growth_in_time,

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import sqrt
 
+from fenics_contact.analyses.derivatives.table import DerivativeRequest
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
 from fenics_contact.results.records.record import Quantities
-from fenics_contact.scene.asked.derivatives import DerivativeRequest
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import HalfSpace, Obstacle

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fenics_contact.analyses.vibration.table import Damping, Modes
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.scene.asked.vibration import Damping, Modes
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.material import Material

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
+from fenics_contact.analyses.vibration.table import Damping, Modes
 from fenics_contact.common.parallel import total
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.scene.asked.vibration import Damping, Modes
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.study import Study
 from fenics_contact.verification.case import Finding, UntrustedError, note_mesh

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from fenics_contact.scene.asked.vibration import Modes
+from fenics_contact.analyses.vibration.table import Modes
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene

@@ -22,9 +22,9 @@ from fenics_contact import (
     main,
     run,
 )
+from fenics_contact.analyses.derivatives.table import DerivativeRequest
+from fenics_contact.analyses.derivatives.words import notes_on_derivatives
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.words.derivatives import notes_on_derivatives
-from fenics_contact.scene.asked.derivatives import DerivativeRequest
 from fenics_contact.simulation.asked_derivatives.asked import _derivative
 from fenics_contact.simulation.asked_derivatives.means import Mean
 from fenics_contact.simulation.asked_derivatives.windows import Window

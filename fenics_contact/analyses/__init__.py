@@ -1,0 +1,14 @@
+"""What a scene asks of an answer, or of its load steps, by tables of its own: a folder for each.
+
+A folder says by ``ANALYSIS`` in its ``__init__`` what it is (``analysis.py``), and has these parts,
+of which each may be missing:
+
+- ``table``: classes of the scene's tables, and ``require``, what must hold of the scene;
+- ``record``: what stands of it in ``result.json``;
+- ``words``: ``plan``, ``tables`` and ``notes``, for the terminal (``AnalysisWords``);
+- ``page``: sections of the page, and pictures (``AnalysisPage``);
+- ``task``: what is computed in a run, along its load steps and after its answer (``AnalysisTask``);
+- ``files``: what it writes beside ``result.json`` (``AnalysisFiles``).
+
+Parts are imported where a scene or a result asks for them. ``registry.py`` has the list.
+"""

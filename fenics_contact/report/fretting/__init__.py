@@ -1,1 +1,0 @@
-"""Pictures of fretting: criteria of fatigue along contacts and below them."""

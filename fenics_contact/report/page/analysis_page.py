@@ -1,0 +1,56 @@
+"""What an analysis adds to the page of a run: a section, pictures, animations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.run_to_draw import RunToDraw
+from fenics_contact.results.records.run import RunRecord
+
+
+@dataclass(frozen=True)
+class AnalysisSection:
+    """A section of the page.
+
+    Attributes:
+        key: Its address in the page, and the name of its template in the folder of the analysis.
+        name: Its heading.
+        values: What the template has names for.
+    """
+
+    key: str
+    name: str
+    values: Mapping[str, object]
+
+
+class AnalysisPage:
+    """What an analysis adds to the page; the part ``page`` of its folder has it as ``PAGE``."""
+
+    def section(self, result: RunRecord) -> AnalysisSection | None:
+        """Its section, where it has something to say.
+
+        Args:
+            result: The content of ``result.json``.
+        """
+        return None
+
+    def pictures(self, run: RunToDraw) -> Iterator[Picture]:
+        """Draw what the files of a run show of it.
+
+        Args:
+            run: The run.
+
+        Raises:
+            InputError: A display is missing; says what to install.
+        """
+        return iter(())
+
+    def animations(self, run: RunToDraw) -> Iterator[Picture]:
+        """Draw what moves, which papers cannot have.
+
+        Args:
+            run: The run.
+        """
+        return iter(())

@@ -1,7 +1,0 @@
-"""How a body vibrates about a state: its modes, and what its joints damp of them.
-
-Modes are of the structure whose contacts are stuck; each is then driven to and fro by forces M φ,
-without inertia, and the loop tells its frequency and its damping (H. Festjens, G. Chevallier and
-J.-L. Dion, Int. J. Mech. Sci. 75 (2013) 170-177; R. M. Lacayo and M. S. Allen, Mech. Syst. Signal
-Process. 118 (2019) 133-157).
-"""
