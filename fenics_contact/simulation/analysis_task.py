@@ -34,7 +34,7 @@ class AnalysisTask:
 
     Attributes:
         missing: What messages say where ``accepted``, ``evaluate`` or ``complete`` fails.
-        fields: What they say where ``write_fields`` fails, before "were not written".
+        fields: What they say where ``write_fields`` fails.
 
     Args:
         scene: One that asks for the analysis.

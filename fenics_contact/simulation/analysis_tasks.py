@@ -141,7 +141,7 @@ class AnalysisTasks:
         """
         for _, task in self._tasks:
             write = partial(task.write_fields, problem, result, folder)
-            attempt(self._comm, f"{task.fields} were not written", write, None, notes)
+            attempt(self._comm, task.fields, write, None, notes)
 
 
 def _plain(note: str, tables: tuple[str, ...]) -> str:

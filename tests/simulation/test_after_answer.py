@@ -7,11 +7,12 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Modes, Run, run
+from fenics_contact.analyses.derivatives import task as derivatives
 from fenics_contact.analyses.derivatives.table import DerivativeRequest
 from fenics_contact.cli import commands
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt
-from fenics_contact.simulation import asked_of_answer, end_of_run, scene_run, verdict
+from fenics_contact.simulation import end_of_run, scene_run, verdict
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.restart.state_file import StateFile
 from fenics_contact.simulation.step_history import LinearRange
@@ -58,8 +59,8 @@ PIECES = {
     "corners": (budget, "Unbounded", "Errors were not estimated: "),
     "others": (end_of_run, "search_other_solutions", "It was not found whether the answer is "),
     "strains": (LinearRange, "of", "The range of linear theory was not checked: "),
-    "derivatives": (asked_of_answer, "asked_derivatives", "No derivatives: "),
-    "tolerances": (asked_of_answer, "uncertainties", "No uncertainties: "),
+    "derivatives": (derivatives, "asked_derivatives", "No derivatives: "),
+    "tolerances": (derivatives, "uncertainties", "No uncertainties: "),
     "remarks": (verdict, "slid_far", "Some of what limits the answer was not looked at: "),
     "cycles": (scene_run, "cycles_record", "Losses of cycles were not found: "),
     "fields": (files.FieldSeries, "write", "Fields were not written: "),

@@ -22,7 +22,7 @@ class Task(AnalysisTask):
     """
 
     missing = "Fretting was not evaluated"
-    fields = "Fields of fretting"
+    fields = "Fields of fretting were not written"
     history: StressHistory | None = None
 
     def begin(self, problem: Problem) -> None:

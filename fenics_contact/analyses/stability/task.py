@@ -23,7 +23,7 @@ class Task(AnalysisTask):
     """
 
     missing = "No stability"
-    fields = "Fields of complex modes"
+    fields = "Fields of complex modes were not written"
     found: SlidingStability | None = None
 
     def complete(self, result: Result, body: Callable[[], KeptBody], notes: list[str]) -> Result:

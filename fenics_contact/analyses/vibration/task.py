@@ -26,7 +26,7 @@ class Task(AnalysisTask):
     """
 
     missing = "No modes"
-    fields = "Fields of modes"
+    fields = "Fields of modes were not written"
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene)

@@ -3,9 +3,9 @@
 import pytest
 from mpi4py import MPI
 
+from fenics_contact.analyses.stability import curves
 from fenics_contact.analyses.stability.curves import draw_stability
 from fenics_contact.analyses.stability.words import stability_words
-from fenics_contact.report.histories import stability
 from tests.records import made_run
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
@@ -25,7 +25,7 @@ def found(curve, critical=None):
 
 def test_frequencies_of_all_modes_and_rates_of_those_that_grow(monkeypatch, tmp_path):
     drawn = []
-    monkeypatch.setattr(stability, "save", lambda figure, path: drawn.append(figure))
+    monkeypatch.setattr(curves, "save", lambda figure, path: drawn.append(figure))
     curve = [point(0.0, [1, 2], [0, 0]), point(0.2, [1.4, 1.6], [-1e-9, 1e-9])]
     curve.append(point(0.4, [1.5, 1.5], [-2.0, 2.0]))
     (picture,) = draw_stability(tmp_path, found(curve, critical=0.25))

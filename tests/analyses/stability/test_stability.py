@@ -235,13 +235,14 @@ def test_shapes_are_one_long_and_those_of_a_pair_are_conjugate():
     ready = Run(scene, body=body)
     ready.solve()
     owned = ready.problem.spaces.owned_nodes
-    shapes = [mode.shape[:owned] for mode in ready.stability.shapes]
+    found = ready.analyses.of("stability").found.shapes
+    shapes = [mode.shape[:owned] for mode in found]
     angles = np.linspace(0, np.pi, 181)
     for shape in shapes:
         way = np.array([np.linalg.norm((shape * np.exp(1j * a)).real, axis=1) for a in angles])
         longest = COMM.allreduce(way.max(initial=0), op=MPI.MAX)
         assert longest == pytest.approx(1.0, rel=1e-3)
-    growing = max(range(12), key=lambda number: ready.stability.shapes[number].exponent.real)
+    growing = max(range(12), key=lambda number: found[number].exponent.real)
     apart = np.abs(shapes[growing] - shapes[growing + 1].conj()) ** 2
     assert total(COMM, float(apart.sum())) < 1e-10
 

@@ -3,8 +3,8 @@
 import pytest
 from mpi4py import MPI
 
+from fenics_contact.analyses.vibration import damping_curves
 from fenics_contact.analyses.vibration.damping_curves import draw_damping
-from fenics_contact.report.histories import damping
 from tests.records import made_run
 from tests.report.contacts.test_captions import cycled
 
@@ -24,7 +24,7 @@ def rows(mode, amplitudes, **by):
 
 def test_a_curve_a_mode_and_value(monkeypatch, tmp_path):
     drawn = []
-    monkeypatch.setattr(damping, "save", lambda figure, path: drawn.append(figure))
+    monkeypatch.setattr(damping_curves, "save", lambda figure, path: drawn.append(figure))
     found = [*rows(1, (1, 2), mu=0.1), *rows(1, (1, 2, 3), mu=0.2), *rows(2, (5,), mu=0.1)]
     (picture,) = draw_damping(tmp_path, made_run(cycled() | {"damping": found}))
     assert picture.path.name == "damping.png"
@@ -43,7 +43,7 @@ def test_one_amplitude_is_no_curve(tmp_path):
 
 def test_bars_are_drawn_where_they_are_known(monkeypatch, tmp_path):
     drawn = []
-    monkeypatch.setattr(damping, "save", lambda figure, path: drawn.append(figure))
+    monkeypatch.setattr(damping_curves, "save", lambda figure, path: drawn.append(figure))
     found = rows(1, (1, 2, 3))
     for row, bar in zip(found, (0.5, None, 0.25), strict=True):
         row["errors"] = {"damping_ratio": {"total": bar}, "natural_frequency": {"total": None}}
