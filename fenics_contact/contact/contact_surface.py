@@ -5,13 +5,13 @@ One object per ``[[contact]]``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.contact.contact_forces import ContactForces
 from fenics_contact.contact.contact_work import ContactWork
 from fenics_contact.contact.driving import ContactPaths
 from fenics_contact.contact.kinematics.against_body import BodyKinematics
@@ -68,13 +68,10 @@ class ContactSurface:
         friction: The law along it.
         normal_term: How solvers use the law across it.
         friction_term: How they use the law along it.
+        forces: Of both, as solvers balance them.
         wear: What slip wears off.
         work: Of friction and of what goes back along it.
         own_arrays: What these keep of their own at the points, and results have.
-        friction_weight: How often its friction counts beside its pressure, in what Newton's method
-            balances: twice in steps of motion.
-        by_points: Whether forces and tangents are worked out point by point, without the compiled
-            forms: the same numbers, sooner where points are few; for nodal points only.
     """
 
     def __init__(
@@ -107,9 +104,8 @@ class ContactSurface:
         self.friction: FrictionLaw = friction_law(site, self.normal)
         self.normal_term = NormalTerm(self.normal)
         self.friction_term = FrictionTerm(self.friction)
+        self.forces = ContactForces(self.trace, self.normal_term, self.friction_term)
         self._follow_given()
-        self.by_points = False
-        self.friction_weight = 1.0
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
             before = np.maximum(before, 0.0)
@@ -169,26 +165,9 @@ class ContactSurface:
         """All that it keeps arrays of, each with a name of its own."""
         return (self.normal, self.friction, self.wear)
 
-    @property
-    def terms(self) -> list[NormalTerm | FrictionTerm]:
-        """Forces of the contact that follow the jump: of pressure, and of friction."""
-        across: list[NormalTerm | FrictionTerm] = [self.normal_term] * self.normal.follows_jump
-        return [*across, self.friction_term] if self.friction.has_friction else across
-
-    def weight_of(self, term: NormalTerm | FrictionTerm) -> float:
-        """How often a force of it counts in what Newton's method balances."""
-        return self.friction_weight if term is self.friction_term else 1.0
-
-    def go_by_points(self) -> None:
-        """Work out forces and tangents point by point from now on, where that is possible.
-
-        So it is where all points are nodes, and its laws say what they do at points.
-        """
-        self.by_points = self.trace.nodal and self.normal.is_pointwise
-
     def act_in_motion(self) -> None:
         """Have friction act as in steps of motion: twice in the balance, and all along a step."""
-        self.friction_weight = 2.0
+        self.forces.count_friction_twice()
         self.last_step.take_ends()
 
     def follow_supports(self, constrained: Integers) -> None:
@@ -198,33 +177,6 @@ class ContactSurface:
             constrained: Dofs that supports hold (local indices, owned and ghost).
         """
         self.supports = SurfaceSupports(self.trace, constrained)
-
-    def force_of(self, term: NormalTerm | FrictionTerm) -> Array:
-        """One of its forces at all nodes of its surface; collective."""
-        if not self.by_points:
-            return term.force()
-        return self.trace.at_all_nodes(self.trace.weights[:, None] * term.at_points())
-
-    def all_forces(self) -> Array:
-        """Forces of both laws at all nodes of its surface, friction by its weight; collective."""
-        normal, friction = self.normal_term, self.friction_term
-        if not self.by_points:
-            return normal.force() + self.friction_weight * friction.force()
-        traction = normal.at_points() + self.friction_weight * friction.at_points()
-        return self.trace.at_all_nodes(self.trace.weights[:, None] * traction)
-
-    def given_forces(self) -> list[tuple[Array, Callable[[float], float]]]:
-        """Nodal forces that are given, in full, with the share that acts at a pseudo-time.
-
-        At all nodes of its surface, (nodes, components); collective.
-        """
-        trace = self.trace
-        if not self.by_points:
-            return [(trace.surface.assemble(form), path) for form, path in self.normal.loads]
-        return [
-            (trace.at_all_nodes(trace.weights[:, None] * traction), path)
-            for traction, path in self.normal.loads_at_points
-        ]
 
     def set_time(self, time: float) -> None:
         """Bring the obstacle to where it stands, or to what drives it, at a pseudo-time."""

@@ -28,7 +28,7 @@ def named_motions(problem: Problem, rigid: RigidMotions) -> list[dict[str, Any]]
     for motion in motions.T:
         resisted = []
         for contact in problem.contacts:
-            if not contact.terms:
+            if not contact.forces.terms:
                 continue
             jumps = rigid.jumps(contact) @ motion
             across = contact.kinematics.normal(jumps)

@@ -100,7 +100,7 @@ class Problem:
             ]
             self.inertia: Inertia = AtRest(self.contacts, self.spaces)
             for contact in self.contacts if by_points else ():
-                contact.go_by_points()
+                contact.forces.go_by_points()
             own_arrays = [array for contact in self.contacts for array in contact.own_arrays]
             self.own_arrays = of_several_contacts(own_arrays)
             self.far_field = self._place_far_field()
@@ -324,5 +324,5 @@ class Problem:
         return [
             (contact.trace.surface.on_body(force), path)
             for contact in self.contacts
-            for force, path in contact.given_forces()
+            for force, path in contact.forces.given()
         ]

@@ -121,7 +121,7 @@ def contact_unknowns(problem: Problem) -> int:
 
     Those that contacts share count once.
     """
-    acting = [contact for contact in problem.contacts if contact.terms]
+    acting = [contact for contact in problem.contacts if contact.forces.terms]
     dofs = [contact.trace.surface.dofs for contact in acting]
     dofs += [t.surface.dofs for c in acting if (t := c.sides.opposite) is not None]
     return len(np.unique(np.concatenate(dofs))) if dofs else 0
@@ -129,7 +129,7 @@ def contact_unknowns(problem: Problem) -> int:
 
 def _coupled(problem: Problem) -> float:
     """Squares of the dofs of both surfaces, of all contacts between bodies; collective."""
-    pairs = [contact for contact in problem.contacts if contact.terms]
+    pairs = [contact for contact in problem.contacts if contact.forces.terms]
     sides = [(c.trace, c.sides.opposite) for c in pairs]
     return float(
         sum(

@@ -105,7 +105,7 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
 
     if problem.inertia.moves:
         return choice("condensed", "one factorisation of the bulk for all steps of the motion")
-    if not any(contact.terms for contact in problem.contacts):
+    if not any(contact.forces.terms for contact in problem.contacts):
         return choice("full", "nothing to iterate on")
     condensed = choice("condensed", "one factorisation of the bulk")
     if not _suits_multigrid(problem):

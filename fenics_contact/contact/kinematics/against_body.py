@@ -16,7 +16,8 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.contact.kinematics.between_points import BetweenPoints, nowhere, padded
-from fenics_contact.contact.kinematics.jump import ROUND_OFF, ContactKinematics, require_smooth
+from fenics_contact.contact.kinematics.curved_surface import require_smooth
+from fenics_contact.contact.kinematics.jump import ROUND_OFF, ContactKinematics
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.mortar.ray_projection import hits
 from fenics_contact.contact.surface.facet_sizes import relative_facet_size

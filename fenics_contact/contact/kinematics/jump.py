@@ -15,11 +15,11 @@ from dolfinx import fem
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import of_every_rank, on_root, smallest, total
+from fenics_contact.common.parallel import smallest, total
 from fenics_contact.contact.kinematics.between_points import BetweenPoints
-from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
-from fenics_contact.contact.mortar.pairing import Pairing, gathered, own_facets
-from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
+from fenics_contact.contact.kinematics.curved_surface import missed_by_facets, require_smooth
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh
+from fenics_contact.contact.mortar.pairing import Pairing, own_facets
 from fenics_contact.contact.surface.trace import Trace
 
 # Of the lengths that a gap is a difference of: an overlap of no more is round-off.
@@ -107,19 +107,7 @@ class ContactKinematics(ABC):
 
         At the points, < 0 where they are too narrow (length).
         """
-        trace, whole = self.trace, gathered(self.trace)
-        smooth = SmoothSurface(whole)
-
-        def find() -> tuple[Array, Array]:
-            facets = np.arange(0 if trace.nodal else len(whole.nodes))
-            middle = reference_nodes(whole.shape, 1).mean(axis=0)
-            return smooth.at_nodes(), smooth.offsets(facets, np.tile(middle, (len(facets), 1)))
-
-        at_nodes, at_centres = on_root(self._spaces.comm, find)
-        counts = of_every_rank(self._spaces.comm, len(trace.centres))
-        first = sum(counts[: self._spaces.comm.rank])
-        mine = at_centres[first : first + len(trace.centres)]
-        return np.concatenate([at_nodes[trace.surface.numbers][trace.numbers], mine])
+        return missed_by_facets(self.trace)
 
     def require_one_sided(self, key: str) -> None:
         """Refuse a surface with a sharp edge.
@@ -338,18 +326,3 @@ class ContactKinematics(ABC):
     def _require_reached(self, points: Flags, refusal: str) -> None:
         if total(self._spaces.comm, points.sum()) == 0:
             raise InputError(refusal)
-
-
-def require_smooth(trace: Trace, key: str) -> None:
-    """Refuse a surface with a sharp edge, where no normal is its own.
-
-    Raises:
-        InputError: On every rank.
-    """
-    corner = trace.averaged.sharp_corner()
-    if corner is not None:
-        where = ", ".join(f"{x:.4g}" for x in corner[: trace.spaces.components])
-        raise InputError(
-            f"{key}: the surface has a sharp edge, at ({where}), where no normal is its "
-            "own; give each side a contact of its own"
-        )

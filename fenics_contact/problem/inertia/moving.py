@@ -4,7 +4,7 @@ By the midpoint rule, with A = K + 4 M/Δt² (twice the matrix of the rule as it
 where there is mass A u₁ = f₀ + f₁ − K u₀ + λ₀ + λ₁ + 2 τ + (4 M/Δt²)(u₀ + Δt v₀), and across
 contacts, where there is none, K u₁ = f₁ + λ₁. There, f are loads, λ pressures of contacts and τ
 friction, which is one force for the step. So pressures act once in this balance, and friction twice
-(``ContactSurface.friction_weight``). Then v₁ = 2 (u₁ − u₀)/Δt − v₀; across contacts and where
+(``ContactForces.friction_weight``). Then v₁ = 2 (u₁ − u₀)/Δt − v₀; across contacts and where
 supports hold (u₁ − u₀)/Δt.
 
 Friction follows the velocity at the end of the step: it counts slip from u₀ + ½ Δt v₀, and

@@ -61,7 +61,9 @@ class CondensedSystem(System):
     ) -> None:
         super().__init__(problem)
         with timings.phase("assemble"):
-            self._surfaces = [SurfaceMatrix(c) if c.terms else None for c in problem.contacts]
+            self._surfaces = [
+                SurfaceMatrix(c) if c.forces.terms else None for c in problem.contacts
+            ]
         self._root = self.comm.rank == 0
         self._is_own = body is None  # then it ends with the system
         self.body = body or CondensedBody(
@@ -337,4 +339,4 @@ class CondensedSystem(System):
 
 def acting_sides(problem: Problem) -> list[ContactSides]:
     """The surfaces of the contacts that exert forces."""
-    return [contact.sides for contact in problem.contacts if contact.terms]
+    return [contact.sides for contact in problem.contacts if contact.forces.terms]

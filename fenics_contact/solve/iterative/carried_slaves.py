@@ -83,7 +83,7 @@ def cannot_be_carried(problem: Problem) -> str:
 
 def _links(problem: Problem) -> _Links:
     """What carries what, by nodes that are free; collective."""
-    contacts = {number: c for number, c in enumerate(problem.contacts) if c.terms}
+    contacts = {number: c for number, c in enumerate(problem.contacts) if c.forces.terms}
     slaves = {number: slave_nodes(contact) for number, contact in contacts.items()}
     masters = {
         number: contact.kinematics.pairing.faced_masters()

@@ -46,7 +46,8 @@ class ContactMatrix(AddedTangents):
         self._between: dict[SurfaceMatrix, PairMatrix] = {
             surface: PairMatrix(surface, pairing, body)
             for surface in self.surfaces
-            if surface.contact.terms and (pairing := surface.contact.kinematics.pairing) is not None
+            if surface.contact.forces.terms
+            and (pairing := surface.contact.kinematics.pairing) is not None
         }
         body.destroy()
         parts = [self._at_places(surface) for surface in self.surfaces]

@@ -153,7 +153,7 @@ def touching(problem: Problem) -> Flags:
     At present: what is open has none.
     """
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
-    for contact in (contact for contact in problem.contacts if contact.terms):
+    for contact in (contact for contact in problem.contacts if contact.forces.terms):
         acts = contact.normal.acts(contact.pressure()) | (contact.friction.bound > 0)
         at_nodes = contact.trace.to_nodes(acts.astype(np.float64)) > 0
         whole = contact.trace.at_all_nodes(at_nodes).astype(np.float64)
@@ -164,7 +164,7 @@ def touching(problem: Problem) -> Flags:
 def on_contacts(problem: Problem) -> Flags:
     """All nodes at which contacts that exert forces act, slaves of pairs; collective."""
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
-    for contact in (contact for contact in problem.contacts if contact.terms):
+    for contact in (contact for contact in problem.contacts if contact.forces.terms):
         found |= slave_nodes(contact)
     return found
 
@@ -184,7 +184,7 @@ def slave_nodes(contact: ContactSurface) -> Flags:
 def masters(problem: Problem) -> Flags:
     """All nodes opposite to contacts between bodies that exert forces; collective."""
     found = np.zeros(len(problem.spaces.coordinates), dtype=bool)
-    for contact in (contact for contact in problem.contacts if contact.terms):
+    for contact in (contact for contact in problem.contacts if contact.forces.terms):
         pairing = contact.kinematics.pairing
         if pairing is not None:
             found |= pairing.master_nodes()

@@ -26,8 +26,8 @@ def solution_of(newton: Newton, outer_iterations: int, strategy: str) -> Solutio
     scalars = problem.scalar_states(find_body().displacement) if problem.body_scalars else ()
     return Solution(
         find_body=find_body,
-        normal_force=[c.force_of(c.normal_term)[c.trace.numbers] for c in problem.contacts],
-        friction_force=[c.force_of(c.friction_term)[c.trace.numbers] for c in problem.contacts],
+        normal_force=[c.forces.of(c.normal_term)[c.trace.numbers] for c in problem.contacts],
+        friction_force=[c.forces.of(c.friction_term)[c.trace.numbers] for c in problem.contacts],
         friction_bound=[contact.friction.bound.copy() for contact in problem.contacts],
         states=[contact.state() for contact in problem.contacts],
         residual_history=tuple(newton.imbalances),

@@ -112,7 +112,7 @@ class AddedTangents:
     @property
     def _pairs(self) -> list[PairStiffness]:
         """Tangents between two bodies that exert forces on each other."""
-        return [s.pair for s in self.surfaces if s.pair is not None and s.contact.terms]
+        return [s.pair for s in self.surfaces if s.pair is not None and s.contact.forces.terms]
 
     def _add_rows(
         self, matrix: PETSc.Mat, rows: Integers, columns: Integers, values: Array

@@ -38,7 +38,9 @@ class SurfaceMatrix:
     @cached_property
     def assembled(self) -> AssembledForms | None:
         """The forms of its tangents, which share one pattern; None of a contact without any."""
-        forms = (form for term in self.contact.terms for form in term.forms if form.rank == 2)
+        forms = (
+            form for term in self.contact.forces.terms for form in term.forms if form.rank == 2
+        )
         first = next(forms, None)
         if first is None:
             return None
@@ -47,7 +49,7 @@ class SurfaceMatrix:
     @cached_property
     def between_points(self) -> list[NeighbourStiffness]:
         """Of the laws whose forces at a point follow the jump at others; collective."""
-        terms = self.contact.terms
+        terms = self.contact.forces.terms
         found = [(term, term.neighbours) for term in terms]
         return [NeighbourStiffness(term, by) for term, by in found if by is not None]
 
@@ -78,10 +80,10 @@ class SurfaceMatrix:
 
     def _entries_at_points(self) -> Entries:
         """The same of each point by itself."""
-        if self.contact.by_points:
+        forces = self.contact.forces
+        if forces.by_points:
             trace = self.contact.trace
-            weight_of = self.contact.weight_of
-            blocks = sum(weight_of(term) * term.tangent_at_points() for term in self.contact.terms)
+            blocks = sum(forces.weight_of(t) * t.tangent_at_points() for t in forces.terms)
             weighted = trace.weights[:, None, None] * np.asarray(blocks)
             rows, columns = self._point_dofs
             return rows, columns, weighted[trace.owned].ravel()
@@ -89,11 +91,10 @@ class SurfaceMatrix:
             none = np.zeros(0, dtype=np.int64)
             return none, none, np.zeros(0)
         rows, columns = self.assembled.rows, self.assembled.columns
-        terms = self.contact.terms
-        if self.contact.friction_weight == 1.0:
-            every = [form for term in terms for form in term.tangents]
+        if forces.friction_weight == 1.0:
+            every = [form for term in forces.terms for form in term.tangents]
             return rows, columns, self.assembled.values(every)
-        parts = [(self.contact.weight_of(term), term.tangents) for term in terms]
+        parts = [(forces.weight_of(term), term.tangents) for term in forces.terms]
         values = [weight * self.assembled.values(forms) for weight, forms in parts]
         return rows, columns, np.sum(values, axis=0)
 

@@ -209,7 +209,7 @@ class System(ABC):
 
     def all_contact_forces(self) -> list[Array]:
         """Forces on the body at the nodes of each surface; remembers their 1-norm; collective."""
-        found = [contact.all_forces() for contact in self.problem.contacts]
+        found = [contact.forces.all() for contact in self.problem.contacts]
         own = sum(
             np.abs(force[: contact.trace.surface.owned_nodes]).sum()
             for contact, force in zip(self.problem.contacts, found, strict=True)

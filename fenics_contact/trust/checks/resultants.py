@@ -89,7 +89,7 @@ def _parts(forces: InternalForces) -> list[Check]:
     spaces, parts = problem.spaces, problem.spaces.parts
     touched = np.zeros(len(problem.load), dtype=bool)
     for contact in problem.contacts:
-        if contact.terms:
+        if contact.forces.terms:
             everywhere = np.ones(len(contact.trace.all_nodes), dtype=bool)
             touched |= contact.kinematics.reaches(everywhere)
     nodes, loaded = np.flatnonzero(touched[: spaces.owned_nodes]), forces.acting(forces.load)

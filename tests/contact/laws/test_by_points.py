@@ -17,7 +17,7 @@ NAMES = ("prescribed", "unilateral", "foundation", "compliance", "incremental", 
 def both(contact, action):
     """By the forms, then by points."""
     found = []
-    for contact.by_points in (False, True):
+    for contact.forces.by_points in (False, True):
         found.append(action())
     return found
 
@@ -80,8 +80,8 @@ def test_both_ways_give_the_same(name):
             for held in (False, True) if mode in ("law", "status") else (False,):
                 if held:
                     contact.normal_term.hold(2 + contact.trace.coordinates[:, 0])
-                for term in contact.terms:
-                    expected, found = both(contact, lambda term=term, c=contact: c.force_of(term))
+                for term in contact.forces.terms:
+                    expected, found = both(contact, lambda term=term, c=contact: c.forces.of(term))
                     scale = np.abs(expected).max(initial=1e-300)
                     assert np.abs(found - expected).max(initial=0) <= 1e-12 * scale
                 expected, found = both(contact, lambda surface=surface: matrix_of(surface))
@@ -102,6 +102,6 @@ def test_a_law_with_forces_of_its_own_goes_by_its_forms(monkeypatch):
     scene, make, _ = CASES["unilateral"]
     laws = tuple(Twice if law is Unilateral else law for law in normal.LAWS)
     discrete = DiscreteBody(BodyDescription.of(scene), make())
-    assert Problem(scene, discrete, by_points=True).contacts[0].by_points
+    assert Problem(scene, discrete, by_points=True).contacts[0].forces.by_points
     monkeypatch.setattr(normal, "LAWS", laws)
-    assert not Problem(scene, discrete, by_points=True).contacts[0].by_points
+    assert not Problem(scene, discrete, by_points=True).contacts[0].forces.by_points

@@ -127,7 +127,7 @@ def test_forms_and_points_have_one_tangent(dimension):
         contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
         use_friction(contact, mode, slip)
         for law in (contact.normal, contact.friction_term):
-            expected, found = both(contact, lambda law=law: contact.force_of(law))
+            expected, found = both(contact, lambda law=law: contact.forces.of(law))
             assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
         expected, found = both(contact, lambda: matrix_of(surface))
         assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
@@ -172,12 +172,12 @@ def test_a_step_that_is_rejected_leaves_no_trace():
     prepared = Run(moved((0.0, 1.0), 3), COMM, box_body((2, 1)))
     prepared.solve()
     contact = prepared.problem.contacts[0]
-    kept, force = remember(contact), contact.force_of(contact.friction_term)
+    kept, force = remember(contact), contact.forces.of(contact.friction_term)
     contact.accept()
-    assert np.abs(contact.force_of(contact.friction_term) - force).max(initial=0.0) < 1e-9
+    assert np.abs(contact.forces.of(contact.friction_term) - force).max(initial=0.0) < 1e-9
     recall(contact, kept)
     np.testing.assert_array_equal(contact.friction.elastic_slip, kept.at_points["elastic_slip"])
-    assert np.abs(contact.force_of(contact.friction_term) - force).max(initial=0.0) < 1e-9
+    assert np.abs(contact.forces.of(contact.friction_term) - force).max(initial=0.0) < 1e-9
 
 
 def test_what_goes_back_is_stored_and_not_dissipated():

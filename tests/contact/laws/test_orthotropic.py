@@ -228,7 +228,7 @@ def test_forms_and_points_have_one_tangent(mode):
     use_friction(contact, mode, slip)
     expected, found = both(contact, lambda: matrix_of(surface))
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
-    expected, found = both(contact, contact.all_forces)
+    expected, found = both(contact, contact.forces.all)
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
