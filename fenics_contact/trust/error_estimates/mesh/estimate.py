@@ -32,22 +32,17 @@ from fenics_contact.problem.drive import Disturbance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
     CONTACT_AREA,
-    CONTACT_FORCE,
     CONTACT_RADIUS,
     EXTERNAL_WORK,
-    FRICTION_FORCE,
     FRICTION_WORK,
     MAX_CONTACT_PRESSURE,
-    NORMAL_FORCE,
-    PRESSURE_INTEGRAL,
-    REACTION,
     SLIP_AREA,
     STICK_AREA,
     STICK_RADIUS,
     STRAIN_ENERGY,
 )
 from fenics_contact.scene.loading.load_paths import cycles_of
-from fenics_contact.scene.quantity_names import LossOfCycle, Reaction
+from fenics_contact.scene.quantity_names import LossOfCycle
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.held_back import TOO_STIFF, HeldBack
@@ -56,7 +51,7 @@ from fenics_contact.trust.error_estimates.mesh.followed_loads import FollowedLoa
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from fenics_contact.trust.error_estimates.mesh.load_scatter import load_scatter, piece_share
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
-from fenics_contact.trust.error_estimates.mesh.pinned_friction import pinned_friction
+from fenics_contact.trust.error_estimates.mesh.pinned_friction import unknown_by_pinned
 from fenics_contact.trust.error_estimates.mesh.single_points import (
     single_point_errors,
     touches_in_points,
@@ -149,7 +144,7 @@ def mesh_errors(
         if key in whole:
             whole[key] = max(whole[key], energy)
     at_contacts = _at_contacts(problem, solution)
-    pinned, unseen = _beside_pinned(problem, solution), unseen_zones(problem, solution)
+    pinned, unseen = unknown_by_pinned(problem, solution), unseen_zones(problem, solution)
     of_cycles = OfCycles(cycles_of(problem.scene), [time for time, _ in recorded])
     scatter = of_cycles.of_ends(scatter)
     curved = of_cycles.of_steps(curved)
@@ -269,32 +264,6 @@ def _disturb(forces: Disturbance, on_scalars: Array, last: float, problem: Probl
     problem.disturbance = forces
     problem.scalar_disturbance = -on_scalars / last
     problem.set_time(last)
-
-
-def _beside_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float]:
-    """What is not known of forces as nodes cannot slip (``pinned_friction``); collective.
-
-    What one contact's friction may be more, supports or another contact's pressure take.
-    """
-    found: dict[Hashable, float] = {}
-
-    def add(keys: Sequence[Hashable], unknown: float) -> None:
-        for key in keys:
-            found[key] = found.get(key, 0.0) + unknown
-
-    def of_contact(number: int, *names: str) -> list[Hashable]:
-        return [*names, *((number, name) for name in names)]
-
-    labels = [support.label for support in problem.applied_supports]
-    for number, pinned in enumerate(pinned_friction(problem, solution)):
-        add(of_contact(number, FRICTION_FORCE, CONTACT_FORCE), pinned.whole)
-        add(of_contact(number, STICK_AREA, SLIP_AREA), pinned.area)
-        for support, unknown in pinned.at_supports.items():
-            add([REACTION, Reaction(support), Reaction(labels[support])], unknown)
-        for other, unknown in pinned.at_contacts.items():
-            names = (NORMAL_FORCE, PRESSURE_INTEGRAL, CONTACT_FORCE)
-            add(of_contact(other, *names), unknown)
-    return found
 
 
 def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float | None]:

@@ -10,6 +10,7 @@ all of it grows in proportion.
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,16 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP, ContactState
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import (
+    CONTACT_FORCE,
+    FRICTION_FORCE,
+    NORMAL_FORCE,
+    PRESSURE_INTEGRAL,
+    REACTION,
+    SLIP_AREA,
+    STICK_AREA,
+)
+from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.newton.solution import Solution
 
 # Of a direction across a surface: squares below it are round-off.
@@ -70,6 +81,32 @@ def pinned_friction(problem: Problem, solution: Solution) -> list[PinnedFriction
                 area,
             )
         )
+    return found
+
+
+def unknown_by_pinned(problem: Problem, solution: Solution) -> dict[Hashable, float]:
+    """Unknown parts of quantities, as nodes cannot slip (``pinned_friction``); collective.
+
+    What one contact's friction may be more, supports or another contact's pressure take.
+    """
+    found: dict[Hashable, float] = {}
+
+    def add(keys: Sequence[Hashable], unknown: float) -> None:
+        for key in keys:
+            found[key] = found.get(key, 0.0) + unknown
+
+    def of_contact(number: int, *names: str) -> list[Hashable]:
+        return [*names, *((number, name) for name in names)]
+
+    labels = [support.label for support in problem.applied_supports]
+    for number, pinned in enumerate(pinned_friction(problem, solution)):
+        add(of_contact(number, FRICTION_FORCE, CONTACT_FORCE), pinned.whole)
+        add(of_contact(number, STICK_AREA, SLIP_AREA), pinned.area)
+        for support, unknown in pinned.at_supports.items():
+            add([REACTION, Reaction(support), Reaction(labels[support])], unknown)
+        for other, unknown in pinned.at_contacts.items():
+            names = (NORMAL_FORCE, PRESSURE_INTEGRAL, CONTACT_FORCE)
+            add(of_contact(other, *names), unknown)
     return found
 
 
