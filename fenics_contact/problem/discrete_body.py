@@ -75,7 +75,7 @@ class DiscreteBody:
         self.is_kept = True
 
     def once(self, name: str, make: Callable[[], _T]) -> _T:
-        """What is worked out of it: once where it is kept, else whenever it is asked for.
+        """Return a value worked out of the body: once where it is kept, else at each call.
 
         Args:
             name: Of what is worked out.

@@ -109,7 +109,7 @@ class FarField:
         return self._at_dofs(column)
 
     def slopes(self, name: str) -> FarField:
-        """The same with the derivatives of all columns in a modulus in their place.
+        """The far field with the derivatives of all its columns in a modulus in their place.
 
         Args:
             name: ``youngs_modulus`` or ``poissons_ratio``.

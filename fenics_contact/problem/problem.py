@@ -127,7 +127,7 @@ class Problem:
 
     @classmethod
     def on_mesh(cls, scene: Scene, body: Body, timings: Timings | None = None) -> Problem:
-        """That of a scene on its mesh, with a body of its own; collective."""
+        """The problem of a scene on its mesh, with a body of its own; collective."""
         timings = timings or Timings()
         with timings.phase("compile"):
             discrete = DiscreteBody(BodyDescription.of(scene), body)
@@ -151,7 +151,7 @@ class Problem:
 
     @property
     def free(self) -> Flags:
-        """Which components of which nodes no support holds, (nodes, components)."""
+        """Whether each displacement component is held by no support, (nodes, components)."""
         free = np.ones(self.load.size, dtype=bool)
         free[self.constrained] = False
         return free.reshape(self.load.shape)
@@ -178,7 +178,7 @@ class Problem:
         return any(set(group.tags) & set(other.tags) for other in loaded)
 
     def _supports(self) -> Supports:
-        """Those of the scene; on a body that is kept those of the last one, where they are."""
+        """Supports of the scene; of a body that is kept those of its last problem, if the same."""
         before = self.discrete.found.get("supports")
         found = None if before is None else before.again(self.scene)
         found = found or Supports(self.scene, self.spaces, self.discrete.held)

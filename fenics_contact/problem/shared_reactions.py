@@ -119,7 +119,7 @@ class SharedReactions:
         return bool(total(self._spaces.comm, int(found.sum())) > 0)
 
     def moved(self, needed: Array, displacement: Array) -> Array:
-        """What each support's reaction is beyond that of dofs which count to the first.
+        """The part of each support's reaction beyond that of dofs which count to the first.
 
         Args:
             needed: What the bulk needs at each dof of this rank, (dofs,) (force).
@@ -137,7 +137,7 @@ class SharedReactions:
         return self._summed(parts)
 
     def moved_by(self) -> dict[tuple[int, int], tuple[Array, ForcesOnState]]:
-        """What ``moved`` is of a state, by support and axis.
+        """Forces on the state whose work is ``moved``, by support and axis.
 
         Returns:
             Factors of what the bulk needs at each dof of this rank, (dofs,), with what acts on the
@@ -176,7 +176,7 @@ class SharedReactions:
         return found
 
     def unknown(self, needed: Array, displacement: Array, supports: Collection[int]) -> float:
-        """What is not known of the part of some supports in what they share with others (force).
+        """Unknown part of some supports' reaction in what they share with others (force).
 
         Args:
             needed: As of ``moved``.

@@ -66,7 +66,7 @@ def with_time_step(scene: Scene, elastic: ElasticBody, spaces: Spaces) -> Scene:
 
 
 def _passing_times(scene: Scene, elastic: ElasticBody, spaces: Spaces) -> tuple[Array, Array]:
-    """Of each cell of this rank: how long a wave takes from node to node, and its volume."""
+    """Time that a wave takes from node to node in each cell of this rank, and its volume."""
     mesh = spaces.body.mesh
     density = density_of(scene.material, spaces)
     modulus = elastic.law.wave_modulus(scene.kinematics == "plane stress")

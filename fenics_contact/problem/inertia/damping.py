@@ -1,4 +1,4 @@
-"""What takes energy out of bodies that move: Rayleigh's damping, and boundaries that absorb waves.
+"""Damping of bodies that move: Rayleigh's, and boundaries that absorb waves.
 
 C = α M + β K + C_b, and C v̄ acts in a step with its mean velocity v̄ = (u₁ − u₀)/Δt. Across
 contacts, where there is no mass, the balance is that of the end of the step: there it is
@@ -56,7 +56,7 @@ class Damping:
         return StepStiffness(inertial + factor * self.nodal, 1 + factor * self.of_stiffness)
 
     def pull(self, displacement: Array, internal: Array, before: Drag) -> Array:
-        """What it adds to the right-hand side of a step (force).
+        """The part of a step's right-hand side that damping makes (force).
 
         Args:
             displacement: At its beginning (length).
@@ -88,7 +88,7 @@ class Damping:
 def damping_of(
     motion: Motion, mass: Array, density: Mass, elastic: ElasticBody, spaces: Spaces, split: Split
 ) -> Damping | None:
-    """That of a motion, None where nothing damps; collective.
+    """The damping of a motion; None where nothing damps; collective.
 
     Args:
         motion: Of the scene.

@@ -1,4 +1,4 @@
-"""What masses are to a problem: nothing to bodies at rest, a step of motion to those that move.
+"""The inertia of a problem: none of bodies at rest, a step of motion of those that move.
 
 A problem asks its inertia the same of both: what load is in balance, what an imbalance is small
 against, and what there is when the load steps begin.

@@ -75,7 +75,7 @@ class ContactMasses:
     split_motions = split_forces
 
     def needed(self, left: Array, pressed: Array, slowed: Array) -> Array:
-        """As of ``StepForces``, of what the balance leaves to contacts and supports (force).
+        """Forces needed from contacts and supports, as ``StepForces.needed`` (force).
 
         Args:
             left: That, (nodes, components) (force).
@@ -166,7 +166,7 @@ class _Neighbours:
             )
 
     def taken(self, given: Array) -> Array:
-        """What nodes take, of what nodes in contact give; collective.
+        """Values that nodes take over from neighbours in contact, which give theirs; collective.
 
         Args:
             given: Of each node, first axis nodes.

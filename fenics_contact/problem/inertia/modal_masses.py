@@ -74,7 +74,7 @@ class ModalMasses:
         self._known: list[tuple[Array, Array]] = []  # of velocities, asked for in several places
 
     def with_masses(self, load: Array) -> Array:
-        """As of ``ContactMasses``."""
+        """A nodal load that acts where there is mass; see ``ContactMasses.with_masses``."""
         return self._masses.with_masses(load)
 
     def times(self, values: Array) -> Array:
@@ -97,7 +97,7 @@ class ModalMasses:
         return {LEFT_OUT_KINETIC_ENERGY: float(0.5 * total(self._spaces.comm, work))}
 
     def needed(self, left: Array, pressed: Array, slowed: Array) -> Array:
-        """As of ``ContactMasses``; what supports hold is in no mode, and has no mass here.
+        """Forces needed from contacts and supports; what supports hold has no mass here.
 
         To supports the balance leaves twice their mean, with what presses there.
         """

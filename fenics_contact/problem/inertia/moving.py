@@ -243,7 +243,7 @@ class MovingInertia(Inertia):
 
     @property
     def missing(self) -> Array:
-        """What is not in balance across contacts at the begin of the step (force).
+        """Force out of balance across contacts at the begin of the step (force).
 
         Only of the first one: where nothing has mass, a load that acts at once moves it at once.
         """
@@ -251,7 +251,7 @@ class MovingInertia(Inertia):
 
     @property
     def _left_at_begin(self) -> tuple[Array, Array]:
-        """What forces leave at the begin of the step, without and with a mass to answer (force)."""
+        """Forces out of balance at the begin of the step: at what has no mass, and at masses."""
         state = self.state
         if self._left is None or self._left[0] is not state:
             left = state.load - state.internal + state.pressed
@@ -291,7 +291,7 @@ class MovingInertia(Inertia):
     def forces(
         self, displacement: Array, balanced: Array, load: Array, pressed: Array
     ) -> StepForces:
-        """What a step needs, from what its system gives; the same object for the same step.
+        """Forces of a step, from the answer of its system; the same object for the same step.
 
         Args:
             displacement: At its end (length).
@@ -308,7 +308,7 @@ class MovingInertia(Inertia):
     def _forces(
         self, displacement: Array, balanced: Array, load: Array, pressed: Array
     ) -> StepForces:
-        """As ``forces``."""
+        """Forces of a step; see ``forces``."""
         stiffness = self.stiffness
         added = np.einsum("nij,nj->ni", stiffness.nodal, displacement)
         internal = (balanced - added) / stiffness.of_bulk
@@ -328,7 +328,7 @@ class MovingInertia(Inertia):
         )
 
     def _drag(self, displacement: Array, internal: Array) -> tuple[Array, Drag]:
-        """Of damping in a step, and at its end; collective."""
+        """Force of damping in a step, and its state at the end; collective."""
         state, spaces = self.state, self._spaces
         if self.damping is None:
             return np.zeros_like(internal), state.drag

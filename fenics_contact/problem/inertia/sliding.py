@@ -15,7 +15,7 @@ _SAME = 1e-9
 
 
 def along_contact(contact: ContactSurface, vectors: Array, opposite: Array) -> Array:
-    """What vectors at the nodes are along a contact, beside what stands opposite; collective.
+    """Vectors at the nodes relative to the body opposite, along a contact; collective.
 
     Args:
         contact: The contact.

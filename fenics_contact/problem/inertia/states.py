@@ -32,7 +32,7 @@ class StepStiffness:
 
 @dataclass(frozen=True, eq=False)
 class Drag:
-    """What damping has done when a step begins.
+    """State of damping when a step begins.
 
     Attributes:
         rate: K times the mean velocity of the step before, (nodes, components) (force/time).
@@ -76,7 +76,7 @@ class MovingState:
 
     @property
     def at_points(self) -> list[dict[str, Array]]:
-        """What stands at the points of each contact, by its name."""
+        """Arrays at the points of each contact, by name."""
         found = [
             {f"moving_elastic_{axis}": column for axis, column in enumerate(values.T)}
             for values in self.elastic
@@ -87,7 +87,7 @@ class MovingState:
 
     @property
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """What is no array, as JSON has it, and what stands at the nodes, each by its name."""
+        """The parts that are no arrays, as JSON has them, and those at the nodes, by name."""
         said = {"began_at": self.time, "motions": self.motions.tolist(), "lost": self.drag.lost}
         nodal = {name: getattr(self, name) for name in _AT_NODES}
         return said, nodal | {"rate": self.drag.rate, "across": self.drag.across}
@@ -121,7 +121,7 @@ class MovingState:
 
 @dataclass(frozen=True, eq=False)
 class FirstState:
-    """What a motion begins from, for the balances along it.
+    """State in which a motion begins, for the balances along it.
 
     Attributes:
         energy: That is stored: strains, springs of contacts, elastic slip (energy).
@@ -139,7 +139,7 @@ class FirstState:
 
 @dataclass(frozen=True, eq=False)
 class StepForces:
-    """What a step needs at the nodes, (nodes, components) each.
+    """Forces and velocities of a step at the nodes, (nodes, components) each.
 
     Attributes:
         internal: K u at its end (force).

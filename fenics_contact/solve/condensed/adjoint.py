@@ -155,7 +155,7 @@ class CondensedAdjoint:
         return _FreeBody(load, stiffness.whole(left), on_scalars)
 
     def _of_unknowns(self, free: _FreeBody | None) -> Array:
-        """What a quantity of the body is in the unknowns, on every rank."""
+        """Derivatives of a quantity of the body in the unknowns, on every rank."""
         count, problem = self.variables.count, self.problem
         found = np.zeros(count + len(problem.unknowns))
         if free is None:
@@ -221,7 +221,7 @@ class Multipliers:
 
     @property
     def scalars(self) -> Array:
-        """Of the scalar unknowns: dJ over the right-hand sides of their equations."""
+        """Multipliers of the scalar unknowns: dJ over the right-hand sides of their equations."""
         return self._values[self._adjoint.variables.count :]
 
     def other_jump(self, number: int) -> Array:
@@ -245,7 +245,7 @@ class Multipliers:
 
     @property
     def mean_stress(self) -> Array:
-        """That of ψ at the dofs of this rank; empty without one; collective."""
+        """Mean stress of ψ at the dofs of this rank; empty without one; collective."""
         return self._adjoint.body.stiffness.mean_stresses(self.unknowns)
 
     @cached_property
@@ -271,7 +271,7 @@ class Multipliers:
 
     @property
     def _of_body_scalars(self) -> Array:
-        """Those of forces on the body's scalars: where these are held, none is in an equation."""
+        """Multipliers of the body's scalars; 0 where these are held, as no equation has them."""
         held = [scalar.held is not None for scalar in self._problem.body_scalars]
         return np.where(np.array(held, dtype=bool), 0.0, self._last)
 

@@ -61,7 +61,7 @@ class ComplianceSolver:
 
     @property
     def compliance(self) -> Array | None:
-        """Of ``compliant``, S⁻¹ with that of derived jumps; None where S lets a body move."""
+        """S⁻¹ with that of derived jumps, of ``compliant``; None where S lets a body move."""
         if self._added[: self._constant.count].any():
             return None
         return self._inverse[np.ix_(self.compliant, self.compliant)]

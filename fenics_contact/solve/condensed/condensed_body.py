@@ -39,7 +39,7 @@ _MOST_KEPT = 8
 
 @dataclass(frozen=True, eq=False)
 class ScalarLoad:
-    """What a unit of a scalar unknown does to the bulk.
+    """Loads and displacements that a unit of a scalar unknown makes in the bulk.
 
     Attributes:
         load: On this rank's unknowns (force).
@@ -110,7 +110,7 @@ class CondensedBody:
             self._take(bulk)
 
     def _take(self, bulk: CondensedBulk) -> None:
-        """What is worked out of a factorisation, and remembered; collective."""
+        """Work out all that follows from a factorisation and is remembered; collective."""
         self.bulk, discrete, moves = bulk, self.discrete, self._moves
         forces = discrete.elastic.scalar_forces
         self.scalars = CondensedScalars(forces, self.stiffness, bulk, self.held)
@@ -131,7 +131,7 @@ class CondensedBody:
         self._given_up: tuple[OfSchur, ContactVariables] | None = None
 
     def with_bulk(self, bulk: CondensedBulk) -> CondensedBody:
-        """The same body by another bulk, of steps of motion; collective.
+        """The body with another bulk, that of steps of motion; collective.
 
         Args:
             bulk: Of the same unknowns and contact dofs; its caller keeps it.
@@ -142,7 +142,7 @@ class CondensedBody:
         return found
 
     def scalar_load(self, unknown: ScalarUnknown) -> ScalarLoad:
-        """What a unit of a scalar unknown does to the bulk, worked out once for each; collective.
+        """The load of a unit of a scalar unknown, worked out once for each; collective.
 
         Args:
             unknown: One of a problem on this body.
@@ -155,7 +155,7 @@ class CondensedBody:
         return ScalarLoad(loads[number], np.zeros(len(self.dofs.numbers)), condensed[number])
 
     def _load_of_prescribed(self, given: PrescribedDisplacement | None) -> ScalarLoad:
-        """That of displacements that a scalar prescribes, or of none; collective."""
+        """The load of displacements that a scalar prescribes, or of none; collective."""
         size = len(self.dofs.constrained)
         column = None if given is None else given.displacement
         found = next((load for known, load in self._of_prescribed if known is column), None)
@@ -187,13 +187,13 @@ class CondensedBody:
 
     @property
     def of_schur(self) -> OfSchur | None:
-        """What S tells, on rank 0, None on others; for a body that is kept."""
+        """S of a body that is kept, with what follows from it; on rank 0, None on others."""
         if self._of_schur is None and self.bulk.schur is not None:
             self._of_schur = OfSchur(self.bulk.schur)
         return self._of_schur
 
     def of_unknowns(self, variables: ContactVariables) -> OfSchur | None:
-        """The same of S between unknowns that are jumps where bodies touch; on rank 0.
+        """S between unknowns that are jumps where bodies touch; on rank 0.
 
         Kept of the bodies as meshed, with which every problem on them begins.
         """
@@ -213,7 +213,7 @@ class CondensedBody:
         return self.bulk.factorisations
 
     def give_up(self, variables: ContactVariables) -> OfSchur | None:
-        """As of ``of_unknowns``; S itself, which is large, is not kept from then on."""
+        """Return S between unknowns and forget it, as it is large; see ``of_unknowns``."""
         schur, self.bulk.schur = self.bulk.schur, None
         if schur is None:
             return None

@@ -94,7 +94,7 @@ class CondensedContacts:
 
     @property
     def is_held(self) -> Flags:
-        """Which of the body's scalars are held, (body_scalars,)."""
+        """Whether each of the body's scalars is held, (body_scalars,)."""
         return np.array([one.held is not None for one in self._problem.body_scalars], dtype=bool)
 
     def held_parts(self, held: Array) -> list[Array | None]:

@@ -14,7 +14,7 @@ _MOST = 8
 
 
 class CondensedLoads:
-    """What ``CondensedBulk.condense`` makes of loads; a solve only for those that are new."""
+    """Condenses loads by ``CondensedBulk.condense``; solves only for those that are new."""
 
     def __init__(self, bulk: CondensedBulk) -> None:
         self._bulk = bulk
@@ -75,12 +75,12 @@ class CondensedLoads:
         return bool(sums[0] > _SAME * sums[1])
 
     def _combined(self, shares: Array, part: int) -> Array | float:
-        """Of the known loads, or of what they are condensed."""
+        """Combination of the known loads, or of these condensed."""
         pairs = zip(shares, self._known, strict=True)
         return sum((share * known[part] for share, known in pairs), 0.0)
 
     def _shares(self, load: Array) -> Array:
-        """Of the known loads in this one, by least squares; collective."""
+        """Shares of the known loads in a load, by least squares; collective."""
         columns = np.array([known for known, _ in self._known]).reshape(len(self._known), len(load))
         sums = total(self._comm, np.vstack([columns @ columns.T, columns @ load]))
         gram, right = sums[:-1], sums[-1]

@@ -94,7 +94,7 @@ class CondensedSystem(System):
 
     @property
     def variables(self) -> ContactVariables:
-        """What stands for the contact dofs as unknowns."""
+        """The unknowns in place of the contact dofs: displacements and jumps."""
         return self._contacts.variables
 
     def update_pairing(self) -> None:
@@ -156,7 +156,7 @@ class CondensedSystem(System):
         return self.variables.displacements(self._values(self.state)[: self.variables.count])
 
     def position_of(self, displacement: Array) -> Array:
-        """The same of nodal displacements; collective."""
+        """Displacements of the free contact dofs from nodal ones; collective."""
         return np.asarray(self.dofs.gathered(displacement.reshape(-1))[self.dofs.is_free])
 
     def at_contacts(self, find_body: FindBody) -> Array:
@@ -195,7 +195,7 @@ class CondensedSystem(System):
 
     @property
     def _loads(self) -> PresentLoads:
-        """Those that were followed last."""
+        """The loads that were followed last."""
         assert self._present is not None
         return self._present
 
@@ -214,7 +214,7 @@ class CondensedSystem(System):
         return np.asarray(from_root(self.comm, np.array(state.array_r) if self._root else None))
 
     def _displacements(self, values: Array) -> Array:
-        """Of all contact dofs."""
+        """Displacements of all contact dofs from the unknowns (length)."""
         found = self._loads.held.copy()
         found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
         for value, load in zip(self._scalars_of(values), self._scalar_loads, strict=True):
@@ -263,7 +263,7 @@ class CondensedSystem(System):
         self._contacts.linearise(springs)
 
     def change(self, condensed: Array, on_scalars: Array) -> tuple[Array, Array]:
-        """What forces change by the tangent that was set last; collective.
+        """Changes of the unknowns by small forces, by the last tangent; collective.
 
         Args:
             condensed: Forces condensed onto the free contact dofs; used on rank 0 (force).
@@ -282,7 +282,7 @@ class CondensedSystem(System):
         return self.variables.displacements(found[: self.variables.count]), found[first:]
 
     def adjoint(self) -> CondensedAdjoint:
-        """Of the tangent that was set last; collective."""
+        """The adjoint of the tangent that was set last; collective."""
         jumps = self._contacts.jumps
         return CondensedAdjoint(self.problem, self.body, self.variables, self._dense, jumps)
 
@@ -301,7 +301,7 @@ class CondensedSystem(System):
         return float(np.abs(present - self._started).max(initial=0.0))
 
     def finish(self) -> FindBody:
-        """What finds the displacement inside, when it is first asked for; collective.
+        """Return a function that finds the displacement inside when first asked; collective.
 
         At once where something follows it: contacts that exert no forces, a mean stress or
         forces on the body's scalars.

@@ -19,7 +19,7 @@ _SINGULAR = 1e-9
 
 
 class OfSchur:
-    """What S tells whatever the conditions, each found when it is asked for first.
+    """S and what follows from it alone, each found when it is asked for first.
 
     Attributes:
         matrix: S.

@@ -52,7 +52,7 @@ class ContactJump:
         unknowns: Sequence[ScalarUnknown],
         far: Sequence[Array],
     ) -> ContactJump:
-        """That of a contact, with what scalar unknowns move of it.
+        """The jump of a contact, with the parts that scalar unknowns move.
 
         Args:
             surface: Tangent in the jump.

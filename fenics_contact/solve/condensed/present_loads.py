@@ -1,4 +1,4 @@
-"""What loads and prescribed displacements of a moment do to the contact dofs, remembered.
+"""Loads and prescribed displacements of a moment, condensed and remembered.
 
 Most answers of a study, and most load steps of the next one, have loads that were there before.
 """
@@ -48,7 +48,7 @@ class PresentLoads:
 
 
 def _are_equal(one: Array, other: Array) -> bool:
-    """Of large arrays, of which most that are not the same differ in any few of their rows."""
+    """Whether large arrays are equal; most that are not differ in any few of their rows."""
     return np.array_equal(one[::_FEW], other[::_FEW]) and np.array_equal(one, other)
 
 
@@ -88,7 +88,7 @@ class LoadsOfBody:
         return found.reshape(-1, components)
 
     def at(self, nodal: Array, prescribed: Array) -> PresentLoads:
-        """Those of a moment: the same object where they were there before; collective.
+        """Condensed loads of a moment: the same object where these were there before; collective.
 
         Args:
             nodal: Loads at this rank's nodes, (nodes, components) (force).

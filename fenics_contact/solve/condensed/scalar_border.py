@@ -23,7 +23,7 @@ from fenics_contact.solve.condensed.unknowns import ContactVariables
 
 
 class CondensedScalars:
-    """What scalars of the body's energy do to the bulk, and the bulk to them; collective.
+    """Rows, columns and corner of scalars of the body's energy, condensed; collective.
 
     Attributes:
         loads: This rank's share of the forces of a unit of each on its unknowns (force/length).
@@ -99,7 +99,7 @@ class ScalarBorder:
 
     @classmethod
     def empty(cls, size: int) -> ScalarBorder:
-        """One of no scalars, around a matrix of a size."""
+        """A border of no scalars, around a matrix of a size."""
         return cls(np.zeros((size, 0)), np.zeros((0, 0)))
 
     @property
@@ -131,7 +131,7 @@ class ScalarBorder:
         return float((columns @ scalars).sum() + (columns.T @ inner + corner @ scalars).sum())
 
     def solve(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
-        """Of the whole; not a number where it is singular.
+        """Solve with the whole matrix; not a number where it is singular.
 
         Args:
             right: Of all unknowns.
@@ -145,7 +145,7 @@ class ScalarBorder:
         return _eliminated(right, solve_inner, self._solved, rows, corner)
 
     def solve_transposed(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
-        """Of the transpose of the whole, by that of M⁻¹; the arguments are those of ``solve``."""
+        """Solve with the transpose of the whole, by M⁻ᵀ; the arguments are those of ``solve``."""
         if self.count == 0:
             return solve_inner(right)
         rows, corner = self._own_rows

@@ -118,7 +118,7 @@ class SplitSolver:
         return first, first + self._forces
 
     def _subtract_stiff(self, matrix: Array, onto_soft: csr_matrix) -> None:
-        """What stiff directions take from the soft ones' stiffness through W; in place."""
+        """Subtract what stiff directions take from the soft ones' stiffness through W; in place."""
         entries = self._onto_stiff.tocoo()
         coupled = np.abs(entries.data) > _LOOSE * self._constant.stiffest
         columns = np.unique(entries.col[coupled])

@@ -129,7 +129,7 @@ class ContactTangent:
         return self._lost < _INVERSE * float(self.constant.count) ** 3
 
     def solve(self, right: Array) -> Array:
-        """Of all unknowns; not a number where the tangent is singular."""
+        """Solve for all unknowns; not a number where the tangent is singular."""
         return self.border.solve(right, self._solve)
 
     def _solve(self, right: Array) -> Array:
@@ -163,7 +163,7 @@ class ContactTangent:
         return np.concatenate([self.constant.with_contacts(self._added, inner) + forces, own])
 
     def times(self, values: Array) -> Array:
-        """The same without contacts."""
+        """The tangent without contacts times all unknowns."""
         inner, scalars = values[: self.constant.size], values[self.constant.size :]
         forces, own = self.border.times(inner, scalars)
         return np.concatenate([self.constant.times(inner) + forces, own])

@@ -42,7 +42,7 @@ class _Block:
     projection: NodalProjection
 
     def of_rows(self, chosen: Flags) -> _Block:
-        """That of some dofs of the slave's surface, (dofs,)."""
+        """The jump at some dofs of the slave's surface, (dofs,)."""
         kept = chosen[self.rows]
         every = np.arange(len(self.masters))
         projection = self.projection.restricted(np.flatnonzero(kept), every)
@@ -99,7 +99,7 @@ class ContactVariables:
 
     @property
     def projections(self) -> list[Projection]:
-        """Those that jumps are measured by, contact by contact; they are the same objects."""
+        """Projections by which jumps are measured, contact by contact; the same objects."""
         return list(self._projections.values())
 
     @property
@@ -128,13 +128,13 @@ class ContactVariables:
         return found
 
     def _has_jump(self, surface: SurfaceMatrix) -> Flags:
-        """Which dofs of a surface have one: against another body those that face it."""
+        """Return which dofs of a surface have a jump: against another body those that face it."""
         if surface not in self._projections:
             return np.ones(len(surface.dofs), dtype=bool)
         return np.repeat(self._faced[surface], len(self._projections[surface].components))
 
     def _choose_jumps(self, surfaces: Sequence[SurfaceMatrix]) -> dict[SurfaceMatrix, Flags]:
-        """Of every surface which dofs have the jump as their unknown.
+        """Choose which dofs of every surface have the jump as their unknown.
 
         Free slaves that face a master and that no contact before has claimed, unless what the jump
         is measured from followed from the jump itself.
@@ -163,7 +163,7 @@ class ContactVariables:
     def _before(
         self, jumps: dict[SurfaceMatrix, Flags]
     ) -> dict[SurfaceMatrix, list[SurfaceMatrix]]:
-        """Of every contact those whose slaves' displacements its own jumps are measured from."""
+        """Contacts on whose slaves' displacements the jumps of each contact depend."""
         slaves = {
             surface: self._unknown_of[self._places[surface][chosen]]
             for surface, chosen in jumps.items()
@@ -283,14 +283,14 @@ class ContactVariables:
         return np.concatenate(found)
 
     def own_unknowns(self, surface: SurfaceMatrix) -> tuple[Integers, Integers]:
-        """Which dofs of a surface have a jump, and its number among (y, z)."""
+        """Dofs of a surface that have a jump, and its number among (y, z)."""
         unit, unknown = self._units[surface]
         others, first = self._first_derived[surface]
         rows = np.concatenate([unit, others])
         return rows, np.concatenate([unknown, self.count + first + np.arange(len(others))])
 
     def held_part(self, surface: SurfaceMatrix, held: Array) -> Array:
-        """What held displacements, given at all contact dofs, add to jumps."""
+        """The part of jumps that held displacements make, given at all contact dofs."""
         found = held[self._places[surface]].copy()
         pairing = surface.contact.kinematics.pairing
         if pairing is not None:

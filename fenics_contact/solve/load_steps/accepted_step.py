@@ -1,4 +1,4 @@
-"""What is kept of a load step that is accepted, and how the next one compares with it."""
+"""An accepted load step as it is kept, and how the next one compares with it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _FARTHEST = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """What Newton's method starts from.
+    """Unknowns from which Newton's method starts.
 
     Attributes:
         time: Pseudo-time.

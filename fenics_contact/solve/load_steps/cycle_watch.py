@@ -94,7 +94,7 @@ class CycleWatch:
         self._creep, self._creep_work = 0.0, 0.0
 
     def _follow(self, found: Solution) -> None:
-        """What is largest in the cycle; collective."""
+        """Update the largest values in the cycle; collective."""
         for number, (contact, state) in enumerate(
             zip(self._problem.contacts, found.states, strict=True)
         ):
@@ -160,7 +160,7 @@ class CycleWatch:
         return rests
 
     def _kind(self, change: float, advance: float, loss: float) -> str:
-        """What becomes of the loop; empty while it is not closed.
+        """The kind of response that the loop closes to; empty while it is not closed.
 
         Points that stick creep by up to ε in a load step, which is neither slip nor a loss.
         """
@@ -180,11 +180,11 @@ class CycleWatch:
 
     @property
     def _round_off(self) -> float:
-        """Of the loss, over what counts as nothing: of forces times slip to and fro (energy)."""
+        """Loss of a cycle that counts as none: a share of forces times slip to and fro (energy)."""
         return _ROUND_OFF * float(self._largest @ self._swings)
 
     def _end(self, found: Solution) -> _End:
-        """Of a solution; collective."""
+        """Tractions, slips and losses at the end of a cycle, from a solution; collective."""
         pairs = list(zip(self._problem.contacts, found.states, strict=True))
         return _End(
             [np.column_stack([s.contact_pressure, s.friction_traction]) for _, s in pairs],
@@ -201,7 +201,7 @@ class CycleWatch:
 
 
 def _sizes(values: Array) -> Array:
-    """Of values at the points, (points,) or (points, components), of which a rank may have none."""
+    """Sums of the components' sizes at each point, (points,); a rank may have none."""
     return np.asarray(np.abs(values).sum(axis=tuple(range(1, values.ndim))))
 
 

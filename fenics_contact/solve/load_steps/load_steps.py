@@ -108,7 +108,7 @@ class LoadSteps(StepTries):
 
     @property
     def auxiliary(self) -> AuxiliaryState:
-        """What another run needs besides the last step to go on: nothing."""
+        """State that another run needs besides the last step to go on: none."""
         return AuxiliaryState()
 
     def resume(

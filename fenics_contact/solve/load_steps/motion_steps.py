@@ -75,7 +75,7 @@ class MotionSteps(LoadSteps):
     def resume(
         self, last: AcceptedStep, pace: Sequence[float], forces: float, auxiliary: AuxiliaryState
     ) -> Solution:
-        """As of load steps, from the state from which the last one began; collective.
+        """Take up a motion that another run began, where its last step began; collective.
 
         Raises:
             InputError: Its steps were of another length.
@@ -97,7 +97,7 @@ class MotionSteps(LoadSteps):
 
 
 def forces_of_step(problem: Problem, solution: Solution) -> StepForces:
-    """What a step of motion needs at the nodes, in whose state the problem is; collective.
+    """Forces of a step of motion at the nodes, in whose state the problem is; collective.
 
     Args:
         problem: Of bodies that move.

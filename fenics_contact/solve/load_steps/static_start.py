@@ -48,7 +48,7 @@ def begin_motion(problem: Problem, timings: Timings) -> None:
 
 
 def _at_rest(problem: Problem, timings: Timings) -> Problem:
-    """The same scene without masses, under what acts at time 0; collective."""
+    """The problem of the scene without masses, under what acts at time 0; collective."""
     scene = problem.scene.at_rest
     rest = Problem(scene, problem.discrete, timings, by_points=True)
     rest.take_loads(problem)

@@ -1,4 +1,4 @@
-"""Which pseudo-time comes next: as the scene says, or as it went so far."""
+"""Control of load steps: the next pseudo-time is the scene's, or follows from the last ones."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class FixedPace:
 
     @property
     def state(self) -> list[float]:
-        """What ``resume`` needs: nothing."""
+        """Numbers that ``resume`` needs: none."""
         return []
 
     def resume(self, state: Sequence[float]) -> None:
@@ -120,7 +120,7 @@ class AutomaticPace:
 
     @property
     def state(self) -> list[float]:
-        """What ``resume`` needs."""
+        """Numbers that ``resume`` needs."""
         return [self.size, self._before_cut, self._refused, self._refused_until]
 
     def resume(self, state: Sequence[float]) -> None:
@@ -158,7 +158,7 @@ class PaceOfCycles:
 
     @property
     def state(self) -> list[float]:
-        """What ``resume`` needs; last the tolerance with which they ended, 0 while they go on."""
+        """Numbers that ``resume`` needs; last the tolerance at the end, 0 while cycles go on."""
         return [*self._pace.state, self._cycles.tolerance if self._is_ended else 0.0]
 
     def resume(self, state: Sequence[float]) -> None:
@@ -175,7 +175,7 @@ Pace = FixedPace | AutomaticPace
 
 
 def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | PaceOfCycles:
-    """That of the load steps of a scene.
+    """The step control of a scene.
 
     Args:
         scene: Of the run.

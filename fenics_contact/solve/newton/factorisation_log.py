@@ -1,4 +1,4 @@
-"""What PETSc's own log says of factorisations within a solve."""
+"""Time of factorisations within a solve, from PETSc's own log."""
 
 from __future__ import annotations
 
@@ -18,5 +18,5 @@ class FactorisationLog:
         return float(sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS))
 
     def seconds(self) -> float:
-        """So far."""
+        """Seconds that factorisations have taken since the start."""
         return self._read() - self._before

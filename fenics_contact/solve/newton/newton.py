@@ -200,7 +200,9 @@ class Newton(SnesSolve):
         return Solution(
             find_body=find_body,
             normal_force=[c.forces.of(c.normal_term)[c.trace.numbers] for c in problem.contacts],
-            friction_force=[c.forces.of(c.friction_term)[c.trace.numbers] for c in problem.contacts],
+            friction_force=[
+                c.forces.of(c.friction_term)[c.trace.numbers] for c in problem.contacts
+            ],
             friction_bound=[contact.friction.bound.copy() for contact in problem.contacts],
             states=[contact.state() for contact in problem.contacts],
             residual_history=tuple(self.imbalances),

@@ -74,6 +74,6 @@ class PenaltyPath:
 
 
 def _most(contact: ContactSurface) -> float:
-    """By which factor a contact's penalty is softened at first; collective."""
+    """Factor by which a contact's penalty is softened at first; collective."""
     stiffness = _SOFTEST * contact.moduli.combined / contact.trace.extent()
     return 1 / (stiffness * contact.penalty_parameter)

@@ -287,7 +287,7 @@ class SnesSolve:
         return 0 if self._hopeless is None else self._hopeless(iteration)
 
     def _round_off(self) -> float:
-        """What round-off leaves of a residual (force); collective."""
+        """Residual that round-off leaves (force); collective."""
         of_motions = [round_off(contact) for contact in self.problem.contacts]
         return self.system.round_off() + sum(of_motions)
 

@@ -1,4 +1,4 @@
-"""What a solve found, on each rank: the contacts' state, and the body's when it is asked for."""
+"""A solution on each rank: the contacts' state, and the body's when it is asked for."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ _LONGEST_CYCLE = 6
 
 @dataclass(frozen=True, eq=False)
 class _Iterate:
-    """Of one contact: 0 open, 1 stick, 2 slip at its points, unit slips, and pressures."""
+    """State of a contact at its points: 0 open, 1 stick, 2 slip; unit slips, and pressures."""
 
     status: NDArray[np.int8]
     direction: Array
@@ -72,7 +72,7 @@ class Chatter:
         return int(self._comm.allreduce(changed)) > 0
 
     def words(self, iterates: str) -> str:
-        """Which points chatter, how many, where, and their share of the force; or nothing.
+        """Sentence on the points that chatter, their number, place and share of force; or empty.
 
         Args:
             iterates: What an iterate is called, in the plural.
@@ -129,7 +129,7 @@ class Chatter:
 
 
 def _present(contact: ContactSurface) -> _Iterate:
-    """What the points of a contact do now."""
+    """Present status, unit slips and pressures at the points of a contact."""
     pressure, kinematics = contact.pressure(), contact.kinematics
     slip = contact.friction.scaled_slip(kinematics.tangential(kinematics.jump_at_points()))
     epsilon = contact.regularisation_parameter

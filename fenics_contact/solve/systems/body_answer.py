@@ -1,4 +1,4 @@
-"""What a solve finds inside the body."""
+"""The answer of a solve inside the body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What contacts and scalar unknowns add to the bulk's matrix."""
+"""The parts of the tangent that contacts and scalar unknowns add to the bulk's matrix."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from fenics_contact.solve.systems.pair_stiffness import Entries, PairStiffness
 
 
 class AddedTangents:
-    """What contacts and scalar unknowns add to K, in the layout of all unknowns.
+    """The parts of the tangent beside K: of contacts and scalar unknowns.
 
     Each rank's rows are its displacements, then its mean stresses; rank 0 has the scalars
     last. A contact's energy depends on the jump w = u − d m, so its tangent K_c in the jump
@@ -123,7 +123,7 @@ class AddedTangents:
         matrix.setValues(*places, by_rows, addv=PETSc.InsertMode.ADD_VALUES)
 
     def _motion(self, surface: SurfaceMatrix, unknown: ScalarUnknown) -> Array:
-        """Of the jump over a scalar unknown, at all dofs of a surface; collective."""
+        """Derivative of the jump in a scalar unknown, at all dofs of a surface; collective."""
         motion = np.zeros(len(surface.dofs))
         if unknown.prescribes is not None:
             dofs, values = unknown.prescribes.owned(self._owned)

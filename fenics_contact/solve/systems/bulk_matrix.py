@@ -163,7 +163,7 @@ class LinearSystem(AddedTangents):
         return columns
 
     def _prescribed_volume(self, divergence: PETSc.Mat, unknown: ScalarUnknown) -> Array:
-        """What displacements that a scalar prescribes add to owned rows of the mean stress."""
+        """Volume changes by displacements that a scalar prescribes, in owned rows."""
         moved, volumes = divergence.createVecs()
         if unknown.prescribes is not None:
             dofs, values = unknown.prescribes.owned(self._owned)

@@ -79,7 +79,7 @@ class SurfaceMatrix:
         return rows, columns, values
 
     def _entries_at_points(self) -> Entries:
-        """The same of each point by itself."""
+        """Entries of the tangent that each point has by itself."""
         forces = self.contact.forces
         if forces.by_points:
             trace = self.contact.trace

@@ -131,7 +131,7 @@ class BodySystem(System):
         return largest(self.comm, np.abs(self.problem.displacement.x.array - self._started))
 
     def finish(self) -> FindBody:
-        """What gives displacement and K u at the nodes, which are known; collective."""
+        """Return a function that gives displacement and K u at the nodes; collective."""
         spaces = self.problem.spaces
         self.internal_forces(self.state, self._work)
         internal = fem.Function(spaces.displacement_space)

@@ -39,6 +39,6 @@ class NeighbourStiffness:
         self.columns: Integers = np.broadcast_to(columns[:, None, :], shape).ravel()
 
     def values(self) -> Array:
-        """Of the entries at present; collective."""
+        """Present values of the entries; collective."""
         blocks = self._force.tangent_between_points()[self._pairs]
         return np.asarray((blocks[self._pair] * self._factor[:, None, None]).ravel())

@@ -1,4 +1,4 @@
-"""What Newton's method solves: forces of the bulk, the contacts and the scalars in balance.
+"""The system that Newton's method solves: bulk, contacts and scalars in balance.
 
 A system turns PETSc's vectors of unknowns into jumps of the contacts, and forces of the contacts
 into residuals and tangents. The full one has every displacement as an unknown, the condensed one
@@ -71,7 +71,7 @@ class System(ABC):
 
     @abstractmethod
     def position_of(self, displacement: Array) -> Array:
-        """The same of nodal displacements (nodes, components); collective."""
+        """The position that nodal displacements (nodes, components) have; collective."""
 
     def at_contacts(self, find_body: FindBody) -> Array:
         """Displacement of the present state, at least at the contacts' nodes; collective.
@@ -123,7 +123,7 @@ class System(ABC):
 
     @abstractmethod
     def finish(self) -> FindBody:
-        """What finds the body's displacement in the present state; collective."""
+        """Return a function that finds the body's displacement in this state; collective."""
 
     @abstractmethod
     def update_pairing(self) -> None:
@@ -146,7 +146,7 @@ class System(ABC):
 
     @property
     def forces(self) -> float:
-        """What an imbalance is small against (force); collective.
+        """Force against which an imbalance is small: the largest so far (force); collective.
 
         Not only what acts at present: a body that is unloaded keeps the round-off of before.
         """
@@ -244,7 +244,7 @@ class System(ABC):
         return float(total(self.comm, own) @ unknown.direction)
 
     def scalar_imbalances(self, values: Array, forces: list[Array]) -> Array:
-        """What the equations of the scalar unknowns leave, (scalars,) (force); collective.
+        """Imbalances of the scalar unknowns' equations, (scalars,) (force); collective.
 
         Without the forces that the body itself has in them.
         """
