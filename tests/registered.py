@@ -8,6 +8,7 @@ from fenics_contact.analytic import obstacle_shapes
 from fenics_contact.contact.laws.friction import rules
 from fenics_contact.evaluate import contact_quantities
 from fenics_contact.problem import loads
+from fenics_contact.simulation.sensitivities import gradients
 
 
 def registered() -> dict[Callable[[Any], None], list[Any]]:
@@ -17,6 +18,7 @@ def registered() -> dict[Callable[[Any], None], list[Any]]:
         obstacle_shapes.unregister: list(obstacle_shapes.names()),
         contact_quantities.unregister: list(contact_quantities._REGISTERED),
         rules.unregister: list(rules._REGISTERED),
+        gradients.unregister: list(gradients._OF_CONTACTS),
     }
 
 
