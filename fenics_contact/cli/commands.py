@@ -61,6 +61,7 @@ def execute(options: argparse.Namespace) -> int:
         "new": lambda: on_root(MPI.COMM_WORLD, lambda: _new(options)),
         "report": lambda: on_root(MPI.COMM_WORLD, lambda: _asked_report(options)),
         "run": lambda: _run(options),
+        "schema": lambda: _schema(options),
         "sweep": lambda: _sweep(options),
         "verify": lambda: _verify(options),
     }
@@ -207,6 +208,12 @@ def _draw(folder: Path, quiet: bool) -> None:
     attempt(MPI.COMM_SELF, "no pictures", lambda: _report(folder, quiet), 0, notes)
     for note in notes:
         logger.warning("%s", note.removesuffix("."))
+
+
+def _schema(options: argparse.Namespace) -> int:
+    from fenics_contact.cli.completion.printed import print_text
+
+    return print_text(options)
 
 
 def _asked_report(options: argparse.Namespace) -> int:

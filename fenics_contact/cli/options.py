@@ -180,7 +180,7 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
         ),
         compare.COMMAND,
         ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", texts.VERIFY),
-        ("schema", "print the JSON schema of a scene, for editors", "", texts.SCHEMA),
+        ("schema", "print the JSON schema of a scene, for editors", "[options]", texts.SCHEMA),
         ("completion", "print a completion script, for shells", "bash|zsh|fish", texts.COMPLETION),
     ):
         made[name] = group.add_parser(
@@ -209,6 +209,8 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     figures.describe(made["report"])
     compare.describe(made["compare"])
     _describe_verify(made["verify"])
+    _add_laws(made["schema"], "import this Python module, whose kinds of loads and laws it has")
+    made["schema"].set_defaults(verbose=False, quiet=False)
     made["completion"].add_argument("shell", choices=SHELLS, help="for which it is")
     for name, command in made.items():
         if name not in ("schema", "completion"):  # which say nothing else
@@ -258,13 +260,11 @@ def _add_scene(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="replace a value of the scene; list entries count from 0: load.0.pressure=5",
     )
-    parser.add_argument(
-        "--laws",
-        metavar="MODULE",
-        action="append",
-        default=[],
-        help="allow the scene to name laws of this Python module, which is then imported",
-    )
+    _add_laws(parser, "allow the scene to name laws of this Python module, which is then imported")
+
+
+def _add_laws(parser: argparse.ArgumentParser, words: str) -> None:
+    parser.add_argument("--laws", metavar="MODULE", action="append", default=[], help=words)
 
 
 def _add_resume(parser: argparse.ArgumentParser) -> None:

@@ -35,7 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parse(sys.argv[1:] if arguments is None else arguments)
     if options.version and not options.all_versions:
         return print_versions()
-    if options.command in ("schema", "completion"):  # texts, for which nothing need be loaded
+    is_text = options.command in ("schema", "completion")
+    if is_text and not getattr(options, "laws", ()):  # nothing need be loaded
         from fenics_contact.cli.completion.printed import print_text
 
         return print_text(options)

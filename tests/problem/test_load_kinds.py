@@ -1,12 +1,26 @@
 """Kinds of loads: the program's own, and that one that a file registers has all that these have."""
 
 import dataclasses
+import sys
+from pathlib import Path
 
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError, Load, Material, Run, Scene, Steps, Support, load_scene, run
+from fenics_contact import (
+    InputError,
+    Load,
+    Material,
+    Run,
+    Scene,
+    Steps,
+    Support,
+    load_scene,
+    main,
+    run,
+)
 from fenics_contact.common.errors import SceneError
+from fenics_contact.contact.laws import allowed
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.loads import LAWS
 from fenics_contact.scene.keys.reference import keys_of
@@ -136,6 +150,31 @@ def test_sweeps_vary_it(scene, tmp_path, inline):
         like = run(load_scene(scene(TRACTION, WITHOUT_ERRORS), [f"load.0.traction.1={size}"]))
         expected = like.quantities["normal_force"]
         assert float(row["normal_force"]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_commands_and_the_processes_of_a_sweep_import_it(scene, tmp_path, monkeypatch, capsys):
+    path = scene(SHEAR, WITHOUT_ERRORS, cells=6)
+    expected = run(load_scene(path, [f"{KEY}=20"])).quantities["normal_force"]
+    text = Path(shear_load.__file__).read_text(encoding="utf-8")
+    (tmp_path / "own_shear.py").write_text(f"{text}\n\nregister()\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.setattr(allowed, "_modules", {})
+    command = ["sweep", str(path), "--vary", f"{KEY}=20", "--out", "out", "--quiet"]
+    shear_load.unregister()
+    try:
+        assert main(command) == 2
+        assert main([*command, "--laws", "own_shear"]) == 0
+        capsys.readouterr()
+        assert main(["schema", "--laws", "own_shear"]) == 0
+        schema = capsys.readouterr()
+        shear_load.unregister()
+    finally:
+        shear_load.register()
+        sys.modules.pop("own_shear", None)
+    assert '"shear"' in schema.out
+    (row,) = rows_of(tmp_path / "out")
+    assert float(row["normal_force"]) == pytest.approx(expected, rel=1e-9)
 
 
 def test_runs_go_on_with_it_and_beyond_their_end(scene, tmp_path):
