@@ -1,4 +1,4 @@
-"""What of a scene describes the body, apart from what is done to it.
+"""The part of a scene that describes the body, without loads and contacts.
 
 Mesh, materials, and which displacements and surfaces supports and contacts need: all that is
 computed from it holds for any laws, coefficients, obstacles, loads, values and load steps.
@@ -62,7 +62,7 @@ class CandidateContact:
 
 @dataclass(frozen=True)
 class BodyDescription:
-    """What spaces, stiffness, held dofs and contact surfaces follow from, besides the mesh.
+    """Description from which spaces, stiffness, held dofs and contact surfaces follow.
 
     Attributes:
         kinematics: Kinematic model, such as ``plane strain``.
@@ -90,7 +90,7 @@ class BodyDescription:
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
-        """That of a scene."""
+        """Return the description of a scene's body."""
         return cls(
             kinematics=scene.kinematics,
             dimension=scene.dimension,

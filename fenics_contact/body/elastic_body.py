@@ -121,7 +121,7 @@ class ElasticBody:
         return ScalarForces.of(*known, energy, self.displacement, mean_stress)
 
     def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
-        """Those of the stiffest of the parts that nodes of this rank belong to; collective."""
+        """Moduli of the stiffest of the parts that nodes of this rank belong to; collective."""
         parts = self._spaces.parts
         present = np.zeros(parts.count)
         present[parts.of_node[nodes]] = 1.0
@@ -154,7 +154,7 @@ class ElasticBody:
     def virtual_work(
         self, law: Law, state: tuple[Expr, Expr | None], virtual: tuple[Expr, Expr | None]
     ) -> Expr:
-        """Of the body's stresses over volume, weighted: the density of the stiffness.
+        """Virtual work of the body's stresses over volume, weighted: the stiffness's density.
 
         Args:
             law: In place of the body's own, such as one with variables for moduli.

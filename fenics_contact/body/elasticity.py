@@ -31,7 +31,7 @@ class Law(Protocol):
         """ρ c², of the fastest plane wave along an axis."""
 
     def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Law:
-        """The same law with other things, such as numbers, in place of its coefficients."""
+        """The law with other things, such as numbers, in place of its coefficients."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Isotropic:
         return ufl.as_ufl(self.bulk_modulus + 4 * self.shear_modulus / 3)
 
     def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Isotropic:
-        """The same law of what a function makes of its coefficients."""
+        """The law with its coefficients replaced by a function of them."""
         return Isotropic(value_of(self.youngs_modulus), value_of(self.poissons_ratio))
 
 
@@ -114,7 +114,7 @@ class Anisotropic:
         return ufl.max_value(along[0], ufl.max_value(along[1], along[2]))
 
     def with_values(self, value_of: Callable[[Coefficient], Coefficient]) -> Anisotropic:
-        """The same law of what a function makes of its coefficients."""
+        """The law with its coefficients replaced by a function of them."""
         return Anisotropic({place: value_of(entry) for place, entry in self.entries.items()})
 
 

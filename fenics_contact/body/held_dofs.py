@@ -1,4 +1,4 @@
-"""Which degrees of freedom supports, planes of symmetry and the axis of revolution hold."""
+"""Degrees of freedom that supports, planes of symmetry and the axis of revolution hold."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class SymmetryPlane:
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """What one thing holds, whatever displacements it prescribes.
+    """Dofs that one thing holds, whatever displacements it prescribes.
 
     Attributes:
         on: Name of the group.
@@ -76,12 +76,12 @@ class HeldDofs:
 
     @property
     def every(self) -> list[Held]:
-        """Those of supports, then those of symmetry."""
+        """Held dofs of supports, then those of symmetry."""
         return [*self.by_supports, *self.by_symmetry]
 
     @property
     def symmetry(self) -> str:
-        """Which part of the whole is modelled, and by which planes."""
+        """Part of the whole that is modelled, and its planes of symmetry, in words."""
         if not self.planes:
             return "none"
         part = {1: "half", 2: "quarter", 3: "eighth"}.get(len(self.planes), "part")

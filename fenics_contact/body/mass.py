@@ -1,4 +1,4 @@
-"""What the body weighs: (ρ u, v), consistent and lumped."""
+"""Mass of the body: (ρ u, v), consistent and lumped."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Mass:
 
     @property
     def _degree(self) -> int:
-        """Of quadrature, exact in undistorted cells."""
+        """Degree of quadrature, exact in undistorted cells."""
         spaces = self._spaces
         varies = isinstance(self.density, fem.Function)
         return spaces.bulk_degree + (spaces.degree if varies else 0)

@@ -151,7 +151,7 @@ class Elasticities:
 
 
 def _eigenvalues(matrices: Array) -> Array:
-    """Of the tensors, ascending; a strain's energy counts each shear twice."""
+    """Eigenvalues of the tensors, ascending; a strain's energy counts each shear twice."""
     double = np.sqrt([1.0, 1, 1, 2, 2, 2])
     return np.linalg.eigvalsh(matrices * double[:, None] * double)
 

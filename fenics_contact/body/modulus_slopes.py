@@ -1,4 +1,4 @@
-"""What the stiffness changes by with a modulus, by UFL's derivative of the elastic energy."""
+"""Derivatives of the stiffness in a modulus, by UFL's derivative of the elastic energy."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def _numbers(spaces: Spaces) -> Array:
 
 
 def _first_of(spaces: Spaces, found: _Found, count: int) -> Array:
-    """Of all ranks' cells that hold a point the first number, infinite without one; collective."""
+    """First number of all ranks' cells that hold a point, infinite without one; collective."""
     first = np.full(count, np.inf)
     np.minimum.at(first, found.points, _numbers(spaces)[found.cells])
     spaces.comm.Allreduce(MPI.IN_PLACE, first, op=MPI.MIN)

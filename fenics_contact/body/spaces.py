@@ -94,7 +94,7 @@ class Spaces:
 
     @property
     def _extra_degree(self) -> int:
-        """What the weight, 2πr or a varying thickness, adds to an integrand."""
+        """Degree that the weight, 2πr or a varying thickness, adds to an integrand."""
         if self.kinematics == "axisymmetric":
             return 1
         return self.degree if callable(self.thickness) else 0

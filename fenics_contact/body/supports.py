@@ -75,7 +75,7 @@ class Supports:
         self._require_same_paths(scene)
 
     def again(self, scene: Scene) -> Supports | None:
-        """The same for another scene, if its supports are; collective.
+        """Supports of another scene on the same dofs; None where they differ; collective.
 
         Args:
             scene: Whose body is the same.

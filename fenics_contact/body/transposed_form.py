@@ -32,7 +32,7 @@ class ForcesOnState:
 
     @classmethod
     def sum(cls, parts: Sequence[ForcesOnState]) -> ForcesOnState:
-        """Of several, one at least."""
+        """Sum of several, one at least."""
         return cls(
             np.sum([part.nodal for part in parts], axis=0),
             np.sum([part.on_mean_stress for part in parts], axis=0),

@@ -1,4 +1,4 @@
-"""What the body needs in an answer of which only contacts and supports are known.
+"""Internal forces of an answer of which only contacts and supports are known.
 
 Inside the body forces balance, as its displacement follows from what is known. What is linear in it
 has a row (``solve/condensed/rows``): with these no displacement inside is found.
@@ -23,7 +23,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 
 class CondensedForces(InternalForces):
-    """What the bulk needs, from what contacts and supports tell; collective, as all.
+    """Internal forces from what is known at contacts and supports; collective, as all.
 
     Args:
         problem: The model, in the state of the answer.
@@ -103,7 +103,7 @@ class CondensedForces(InternalForces):
 
     @property
     def displacement(self) -> Array:
-        """Of contacts and of what is held, 0 elsewhere, (nodes, components) (length)."""
+        """Displacement of contacts and of held dofs, 0 elsewhere, (nodes, components) (length)."""
         return self._displacement
 
     @property
@@ -113,7 +113,7 @@ class CondensedForces(InternalForces):
 
     @property
     def given_work(self) -> float:
-        """Of loads and reactions on the displacement (energy)."""
+        """Work of loads and reactions on the displacement (energy)."""
         works, _ = self._of_given
         return float(works[0] + works[1] + self._moving @ works[2 : 2 + len(self._moving)])
 
@@ -138,7 +138,7 @@ class CondensedForces(InternalForces):
         return self._rows.points(self._state)
 
     def balances(self) -> Balances:
-        """What adds up to zero in every connected part of the body.
+        """Resultants and moments that add up to zero in every connected part of the body.
 
         Reactions and their moments come from rows, and none of these is a sum of what the contacts
         get: so what a wrong solution leaves at the contacts shows here. Of the reactions those of
@@ -179,7 +179,7 @@ class CondensedForces(InternalForces):
         )
 
     def works_since(self, before: InternalForces | None) -> tuple[float, float]:
-        """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy)."""
+        """Works of loads and reactions since another answer, by the trapezoidal rule (energy)."""
         works, _ = self._of_given
         if before is None:
             return 0.5 * float(works[0]), 0.5 * (self.given_work - float(works[0]))

@@ -64,12 +64,12 @@ class Zones:
 
     @cached_property
     def closed(self) -> Flags:
-        """Which points touch."""
+        """Whether each point touches."""
         return np.asarray(self.state.status != OPEN)
 
     @cached_property
     def sticks(self) -> Flags:
-        """Which of them stick."""
+        """Whether each point sticks."""
         return np.asarray(self.state.status == STICK)
 
     @cached_property
@@ -137,7 +137,7 @@ def edges(contact: ContactSurface, state: ContactState) -> list[Array]:
 
 
 def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[Flags]:
-    """Which pieces of this rank the edges of contact and of stick pass through."""
+    """Whether the edges of contact and of stick pass through each piece of this rank."""
     zones = [state.status != OPEN, state.status == STICK]
     zones[0] = zones[0] if _may_open(contact) else np.ones_like(zones[0])
     zones[1] = zones[1] if contact.friction.has_friction else np.ones_like(zones[1])
@@ -151,7 +151,7 @@ def stick_area(zones: Zones) -> float:
 
 
 def _area(contact: ContactSurface, inside: Flags, zone: Zone | None) -> float:
-    """That of a zone; without one, what the points inside stand for."""
+    """Area of a zone; without one, the area that the points inside represent."""
     trace = contact.trace
     if zone is None:
         return float(trace.integral(np.where(inside, 1.0, 0.0)))

@@ -1,4 +1,4 @@
-"""What a contact does to the body of its surface `on`: resultants of pressure and friction.
+"""Resultants of a contact's pressure and friction on the body of its surface `on`.
 
 Of two bodies they are found on the slave. What acts there, and its opposite on the master, balance,
 so that the choice of slave changes nothing.

@@ -164,7 +164,7 @@ class EnergyBalance:
 
     @property
     def sums(self) -> list[float]:
-        """What has been summed up so far, to be given to ``resume``."""
+        """Sums so far, to be given to ``resume``."""
         return [float(getattr(self, name)) for name in _SUMS]
 
     def resume(self, sums: Sequence[float], forces: InternalForces) -> None:
@@ -198,7 +198,7 @@ class EnergyBalance:
 
     @property
     def _size(self) -> float:
-        """What is brought in altogether: by work, and at the start (energy)."""
+        """Energy that is brought in altogether: by work, and at the start (energy)."""
         return self.done + self._first
 
     def quantities(self, quantities: Mapping[str, Any]) -> dict[str, float]:
@@ -261,7 +261,7 @@ class EnergyBalance:
 
 
 def _sum(quantities: Mapping[str, Any], names: Sequence[str]) -> float:
-    """Of those that there are."""
+    """Sum of the quantities of some names that there are."""
     return sum(float(quantities.get(name, 0.0)) for name in names)
 
 

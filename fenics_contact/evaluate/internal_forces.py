@@ -1,4 +1,4 @@
-"""What the body needs in an answer, for whoever measures or checks it, however the answer is known.
+"""Internal forces of an answer, against which contacts, loads and supports are measured.
 
 By nodal values of the whole body (``nodal_forces``), or by what its contacts and its supports tell
 alone (``condensed_forces``).
@@ -36,7 +36,7 @@ class Balances:
 
 
 class InternalForces(ABC):
-    """What the bulk needs in an answer, against what loads and contacts give; collective, as all.
+    """Internal forces of an answer, against the forces of loads and contacts.
 
     Attributes:
         problem: The model.
@@ -63,7 +63,7 @@ class InternalForces(ABC):
     @property
     @abstractmethod
     def unbalanced(self) -> Array:
-        """What the bulk needs less loads and contacts, (nodes, components) (force).
+        """Forces that the bulk needs less loads and contacts, (nodes, components) (force).
 
         Where supports hold, reactions, or 0 where these are not known node by node.
         """
@@ -71,12 +71,12 @@ class InternalForces(ABC):
     @property
     @abstractmethod
     def displacement(self) -> Array:
-        """Of contacts and of what is held, at least, (nodes, components) (length)."""
+        """Displacement of contacts and of held dofs at least, (nodes, components) (length)."""
 
     @property
     @abstractmethod
     def imbalance(self) -> float:
-        """What may be out of balance: the imbalance accepted, or what round-off leaves (force)."""
+        """Force that may be out of balance: the imbalance accepted, or round-off (force)."""
 
     @property
     @abstractmethod
@@ -99,7 +99,7 @@ class InternalForces(ABC):
     @property
     @abstractmethod
     def given_work(self) -> float:
-        """Of loads and reactions on the displacement, u · (f + r) (energy)."""
+        """Work of loads and reactions on the displacement, u · (f + r) (energy)."""
 
     @abstractmethod
     def at_points(self) -> dict[str, list[float]]:
@@ -107,7 +107,7 @@ class InternalForces(ABC):
 
     @abstractmethod
     def balances(self) -> Balances:
-        """What adds up to zero in every connected part of the body."""
+        """Resultants and moments that add up to zero in every connected part of the body."""
 
     @abstractmethod
     def at_stabilised(self) -> Array:
@@ -123,7 +123,7 @@ class InternalForces(ABC):
 
     @abstractmethod
     def works_since(self, before: InternalForces | None) -> tuple[float, float]:
-        """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy).
+        """Works of loads and reactions since another answer, by the trapezoidal rule (energy).
 
         Args:
             before: The other answer, of the same kind; None for the body at rest.
@@ -165,7 +165,7 @@ class InternalForces(ABC):
 
 
 def own_dofs(problem: Problem) -> list[Integers]:
-    """Of each applied support the dofs that none before it holds (local, owned and ghost)."""
+    """Dofs of each applied support that none before it holds (local, owned and ghost)."""
     counted = np.zeros(problem.load.size, dtype=bool)
     found = []
     for support in problem.applied_supports:

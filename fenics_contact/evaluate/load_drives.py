@@ -1,4 +1,4 @@
-"""What given loads do along the load steps: how far each moves what it acts on."""
+"""Displacements on which given loads do their work along the load steps."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ class MomentumBalance:
 
     @property
     def sums(self) -> list[float]:
-        """What has been summed up so far, to be given to ``resume``."""
+        """Sums so far, to be given to ``resume``."""
         few = [self.worst, float(self.part), self._accepted]
         return [*few, *map(float, self.impulses.ravel()), *map(float, self._largest)]
 

@@ -1,4 +1,4 @@
-"""What bodies that move need in a step: forces of inertia and of the bulk, against contacts."""
+"""Internal forces and forces of inertia in a step of motion, against contacts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 
 class MovingForces(BulkForces):
-    """The same of a step of motion; friction and reactions are means of the step.
+    """Internal forces of a step of motion; friction and reactions are means of the step.
 
     Attributes:
         inertia: Masses, and what the step began from.
@@ -48,7 +48,7 @@ class MovingForces(BulkForces):
         return self.momenta - self.inertia.masses.times(self.inertia.state.velocity)
 
     def mean_forces(self) -> Array:
-        """What acts on the nodes in the step, but for the bulk's own forces (force)."""
+        """Mean forces on the nodes in the step, but for the bulk's own (force)."""
         inertia, step = self.inertia, self._step
         rubbed = self.contacts - step.pressed
         pressed = inertia.state.pressed + step.pressed
@@ -56,7 +56,7 @@ class MovingForces(BulkForces):
         return given + self.reactions + rubbed - step.dragged
 
     def works_since(self, before: InternalForces | None) -> tuple[float, float]:
-        """Of loads, by the trapezoidal rule, and of reactions, which are means (energy)."""
+        """Works of loads, by the trapezoidal rule, and of reactions, which are means (energy)."""
         state = self.inertia.state  # that the step began from
         moved = self.displacement - state.displacement
         acting = state.load + self.load - self.inertia.missing
@@ -64,7 +64,7 @@ class MovingForces(BulkForces):
         return loads, self._summed(self.reactions * moved) - self._work_of_kinks()
 
     def _work_of_kinks(self) -> float:
-        """What supports do less than their mean force times the way (energy); collective.
+        """Work that supports do less than their mean force times the way (energy); collective.
 
         They take nodes along by the mean velocity of each step. So they change it between steps, at
         once, by an impulse at the mean of the velocities before and after it.
@@ -74,7 +74,7 @@ class MovingForces(BulkForces):
         return 0.5 * self._summed(change * self.inertia.masses.times(change))
 
     def quantities(self) -> dict[str, Any]:
-        """Of the whole model, beside those of statics; collective."""
+        """Quantities of the whole model besides those of statics; collective."""
         spaces = self.problem.spaces
         damped = {} if self.inertia.damping is None else {DAMPING_WORK: self._step.drag.lost}
         return {

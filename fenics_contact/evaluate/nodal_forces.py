@@ -18,7 +18,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 
 class BulkForces(InternalForces):
-    """What the bulk needs, from nodal values of the whole body; collective, as all."""
+    """Internal forces from nodal values of the whole body; collective, as all."""
 
     tells_inside = True
 
@@ -28,22 +28,22 @@ class BulkForces(InternalForces):
 
     @property
     def unbalanced(self) -> Array:
-        """What the bulk needs less loads and contacts, (nodes, components) (force)."""
+        """Forces that the bulk needs less loads and contacts, (nodes, components) (force)."""
         return self._unbalanced
 
     @property
     def displacement(self) -> Array:
-        """Of all nodes, (nodes, components) (length)."""
+        """Displacement of all nodes, (nodes, components) (length)."""
         return self.solution.displacement
 
     @cached_property
     def reactions(self) -> Array:
-        """Of supports at the nodes, (nodes, components), 0 at free dofs (force)."""
+        """Reactions of supports at the nodes, (nodes, components), 0 at free dofs (force)."""
         return np.where(self.problem.free, 0.0, self.unbalanced)
 
     @cached_property
     def imbalance(self) -> float:
-        """What may be out of balance: the imbalance accepted, or what round-off leaves (force).
+        """Force that may be out of balance: the imbalance accepted, or round-off (force).
 
         Inside the body the condensed solver measures none. What is left there counts as far as
         round-off of K u may make it, so that a state out of balance is none.
@@ -84,7 +84,7 @@ class BulkForces(InternalForces):
 
     @property
     def given_work(self) -> float:
-        """Of loads and reactions on the displacement (energy)."""
+        """Work of loads and reactions on the displacement (energy)."""
         return self._summed(self.displacement * (self.load + self.reactions))
 
     def at_points(self) -> dict[str, list[float]]:
@@ -92,7 +92,7 @@ class BulkForces(InternalForces):
         return self.problem.points.quantities(self.displacement)
 
     def balances(self) -> Balances:
-        """What adds up to zero in every connected part of the body.
+        """Resultants and moments that add up to zero in every connected part of the body.
 
         The reactions come from the bulk, which balances itself, so whatever a wrong solution leaves
         on free nodes shows here.
@@ -124,7 +124,7 @@ class BulkForces(InternalForces):
         return self.problem.scalar_states(self.displacement)
 
     def works_since(self, before: InternalForces | None) -> tuple[float, float]:
-        """Of loads and of reactions, by the trapezoidal rule, from another answer on (energy)."""
+        """Works of loads and reactions since another answer, by the trapezoidal rule (energy)."""
         if before is None:
             loads, reactions, moved = self.load, self.reactions, self.displacement
         else:

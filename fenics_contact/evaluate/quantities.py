@@ -49,7 +49,7 @@ def scalar_records(problem: Problem, solution: Solution) -> dict[str, PreloadRec
 
 
 def _mean_displacement(forces: InternalForces, dofs: Integers) -> list[float | None]:
-    """Of owned dofs of all ranks by component, None where there are none; collective."""
+    """Mean displacement of dofs of all ranks by component, None without any; collective."""
     components = forces.problem.spaces.components
     moved = forces.displacement.reshape(-1)[dofs]
     sums = [np.bincount(dofs % components, w, components) for w in (moved, np.ones(len(dofs)))]

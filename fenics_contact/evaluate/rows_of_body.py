@@ -1,4 +1,4 @@
-"""Which rows a body keeps for what is measured of it: supports, parts, points and surfaces."""
+"""Rows that a body keeps for its measured numbers: of supports, parts, points and surfaces."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class RowsOfBody:
         )
 
     def given(self, loads: Sequence[Array], held: Sequence[Array]) -> list[Functional]:
-        """Of loads, displacements of what is held, and what the body's scalars put on it.
+        """Functionals of loads, held displacements and forces of the body's scalars.
 
         Args:
             loads: This rank's shares (force).
@@ -77,7 +77,7 @@ class RowsOfBody:
         return found + self._beyond(state, scalars)
 
     def _by_parts(self, state: GivenState) -> dict[Key, float]:
-        """Of each support, axis and part of the body; radial forces cancel."""
+        """Resultants by support, axis and part of the body; radial forces cancel."""
         wanted = self._rows.once("supports", self._reactions)
         return self._rows.group("supports").values(wanted, state)
 
@@ -117,7 +117,7 @@ class RowsOfBody:
         return found
 
     def of_parts(self, state: GivenState) -> tuple[Array, Array]:
-        """What supports do to each connected part of the body.
+        """Forces and moments of supports on each connected part of the body.
 
         Returns:
             Their resultants, (supports, parts, components) (force), and the moments of all of them
@@ -188,7 +188,7 @@ class RowsOfBody:
         return self._rows.group(name, is_portable=False).values(wanted, state)
 
     def _numbers(self, dofs: Integers) -> list[Key]:
-        """Of dofs of this rank, over all ranks."""
+        """Numbers over all ranks of dofs of this rank."""
         spaces = self._problem.spaces
         size, index_map = spaces.components, spaces.displacement_space.dofmap.index_map
         nodes = index_map.local_to_global((dofs // size).astype(np.int32)).astype(np.int64)
@@ -203,7 +203,7 @@ class RowsOfBody:
         return found + [one.on_scalars @ scalars for one in parts]
 
     def _stress_at(self, number: int) -> list[ForcesOnState]:
-        """What ∫ σ n is of a state, by components."""
+        """Forces on the state whose work is ∫ σ n, by components."""
         problem = self._problem
         spaces, elastic = problem.spaces, problem.elastic
         form = stress_on(spaces, elastic, problem.contacts[number].sides.group)
@@ -214,7 +214,7 @@ class RowsOfBody:
         return [transposed.of(unit) for unit in units]
 
     def _on_state(self, forces: ForcesOnState, held: Array | None = None) -> Functional:
-        """Of forces on the state, and of factors of reactions at the nodes' dofs."""
+        """The functional of forces on the state and of factors of reactions at the nodes' dofs."""
         stiffness = self._body.stiffness
         share = stiffness.share(forces.nodal, forces.on_mean_stress)
         at_held = None

@@ -1,1 +1,1 @@
-"""What of a body hangs together, and the parts of it that are tightened."""
+"""Connected parts of a body, and the parts of it that are tightened."""

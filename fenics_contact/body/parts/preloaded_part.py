@@ -58,7 +58,7 @@ class PreloadedPart:
 
     @property
     def measure(self) -> ufl.Measure:
-        """Of the part, with the rule of the body's stiffness."""
+        """Measure of the part, with the quadrature of the body's stiffness."""
         rule = {"quadrature_degree": self.spaces.bulk_degree}
         return self.spaces.part(self.group, rule)
 
@@ -72,7 +72,7 @@ class PreloadedPart:
 
     @property
     def present_strain(self) -> Expr:
-        """The same at present, anywhere in the body: 0 outside of the part."""
+        """Present strain that is free of stress, anywhere in the body: 0 outside of the part."""
         return self._inside * self.stressless_strain(self.shortening)
 
 

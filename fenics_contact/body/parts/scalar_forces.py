@@ -1,4 +1,4 @@
-"""What a scalar q of the body's energy W(u, s, q) does to u and a mean stress s, and they to it.
+"""Forces between a scalar q of the body's energy W(u, s, q) and u, a mean stress s.
 
 The bulk is linear, so that second derivatives of W say all: ∂²W/∂u∂q are the forces of a unit of q,
 and with ∂²W/∂q² they make the force ∂W/∂q that does work on q.

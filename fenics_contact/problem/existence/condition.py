@@ -38,7 +38,7 @@ _PRESSED = 1e-9
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """What the supports leave free, and how much of the friction it takes to hold it.
+    """Motions that supports leave free, and the share of friction that holds them.
 
     Attributes:
         modes: Number of independent rigid motions that the supports leave free.

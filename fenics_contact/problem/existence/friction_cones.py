@@ -1,4 +1,4 @@
-"""What contacts can exert on rigid motions: cones of Coulomb's friction, discs of a known bound."""
+"""Forces of contacts on rigid motions: cones of Coulomb's friction, discs of a known bound."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class ContactCones:
     average: csr_matrix | None = None
 
     def resisted(self, lengths: Array) -> Array:
-        """What friction by a unit pressure at each point does against slips of some lengths.
+        """Work of friction by a unit pressure at each point against slips of some lengths.
 
         Averages keep ∫ p: what a pressure makes of bounds around it is by the same weights as what
         the pressures around a point make of its bound.
@@ -51,7 +51,7 @@ class ContactCones:
         return rubbed if self.average is None else np.asarray(self.average @ rubbed)
 
     def rubbing(self, point: int, directions: Array) -> Array:
-        """What friction by a unit pressure at a point does on the motions, (motions,).
+        """Work of friction by a unit pressure at a point on the motions, (motions,).
 
         Args:
             point: Number of the point.
@@ -85,7 +85,7 @@ class ContactCones:
         return replace(found, closing=closing), motions
 
     def of_motions(self, motions: Array) -> ContactCones:
-        """The same of combinations of the motions, as columns."""
+        """The cones on combinations of the motions, which are columns."""
         return replace(
             self,
             closing=self.closing @ motions,
@@ -95,7 +95,7 @@ class ContactCones:
 
 
 def contact_cones(problem: Problem, rigid: RigidMotions) -> ContactCones:
-    """Of all points that may touch, whatever their gap; collective.
+    """Cones of all points that may touch, whatever their gap; collective.
 
     Left out are points whose ray misses what stands opposite. Glued ones need no room here:
     motions leave glue alone.

@@ -139,7 +139,7 @@ class LimitAnalysis:
         return found if work > self._round_off * np.linalg.norm(motion) else None
 
     def _farthest_ray(self, share: float, direction: Array) -> Ray | None:
-        """Of what contacts can exert, that which works most in a motion, for its size."""
+        """The force that contacts can exert which works most in a motion, for its size."""
         cones, motion = self._cones, direction[: self._count]
         rays = []
         if len(cones.closing):
@@ -166,7 +166,7 @@ class LimitAnalysis:
         return float(self._bounds @ lengths), slope
 
     def _trial(self, share: float, found: Separation) -> _Trial:
-        """What a motion found at a share says of the share to be found."""
+        """Bound of the share to be found, from a motion found at a share."""
         motion, cones = found.motion[: self._count], self._cones
         falls, resisted = 0.0, cones.resisted(_slips(cones.slips, motion)[1])
         for ray, amount in zip(found.rays, found.amounts, strict=True):

@@ -27,7 +27,7 @@ _LEAST_SLIP = 1e-9
 
 @dataclass(frozen=True)
 class RigidSlip:
-    """What rigid motions do at the closed points of contacts, of all ranks.
+    """Slips of rigid motions at the closed points of contacts, of all ranks.
 
     Attributes:
         across: Σ over the contacts of ∫ r_n r_n′, of those that resist it, (motions, motions).
@@ -92,7 +92,7 @@ def motions_along(across: Array, allowed: Array) -> tuple[Array, Array]:
 
 
 def allowance(facet_turn: float) -> float:
-    """What a motion along a surface may move across it, over its slip.
+    """Motion across a surface that a slip along it may have, over the slip.
 
     Normals of facets tell those of the surface no better than by how far they are turned from them.
 

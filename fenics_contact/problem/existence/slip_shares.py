@@ -43,7 +43,7 @@ class SlipLimit:
 
     @property
     def words(self) -> str:
-        """That parts slip as one, without a full stop."""
+        """Sentence that parts slip as one, without a full stop."""
         who = " and ".join(f"'{name}'" for name in self.parts) or "an obstacle"
         most, asked = f"a {self.kind} of {self.most:.4g}", f"{self.applied:.4g}"
         if not self.kind:
@@ -55,7 +55,7 @@ class SlipLimit:
 
 
 def share_of_contact(contact: ContactSurface, state: ContactState) -> float | None:
-    """Of what friction can hold a contact uses, against rigid slip of one side; collective.
+    """Share of its friction that a contact uses against rigid slip of one side; collective.
 
     Where it meets planes of symmetry, against slip that is symmetric to them.
 
@@ -74,7 +74,7 @@ def share_of_contact(contact: ContactSurface, state: ContactState) -> float | No
 
 
 class SlipShares:
-    """Of all contacts together, against motions that supports and glue leave free; collective.
+    """Shares of all contacts together, against motions left free by supports and glue; collective.
 
     Args:
         problem: The model, in the state of the answer.
@@ -87,7 +87,7 @@ class SlipShares:
         self._acting = [(one, state) for one, state in acting if not one.normal.sticks]
 
     def of_parts(self) -> dict[str, float | None]:
-        """Of each part that friction may hold: of all its contacts, the other parts at rest.
+        """Share of each part that friction may hold, by all its contacts, the others at rest.
 
         Parts that are glued to each other move together.
         """
@@ -99,11 +99,11 @@ class SlipShares:
         return found
 
     def largest(self) -> SlipLimit | None:
-        """Of all motions that are free, of one part or of several; None where none rubs."""
+        """Largest share over all free motions of one part or several; None where none rubs."""
         return self._limit(self._slip(np.eye(self._rigid.count)))
 
     def asked_by_loads(self) -> SlipLimit | None:
-        """The same of the friction that the present loads ask for: 1 and more is not held.
+        """Largest share of friction that the present loads ask for: 1 and more is not held.
 
         By the pressures of the answer, which the loads may change.
         """
@@ -111,7 +111,7 @@ class SlipShares:
         return self._limit(None if slip is None else replace(slip, work=self._rigid.force))
 
     def _limit(self, slip: RigidSlip | None) -> SlipLimit | None:
-        """Of the motion of the largest share, among all that are free."""
+        """Limit by the motion of the largest share, among all that are free."""
         share, motion = (None, np.zeros(0)) if slip is None else slip.share()
         if slip is None or share is None:
             return None
@@ -130,7 +130,7 @@ class SlipShares:
         )
 
     def _slip(self, among: Array) -> RigidSlip | None:
-        """Of some combinations of the free motions, as columns; None of none."""
+        """Slips of some combinations of the free motions, as columns; None of none."""
         if among.shape[1] == 0 or not self._acting:
             return None
         contacts, states = [one for one, _ in self._acting], [state for _, state in self._acting]
@@ -138,7 +138,7 @@ class SlipShares:
         return _rigid_slip(contacts, states, jumps)
 
     def _glued_parts(self) -> Flags:
-        """Which parts each part is glued to, itself among them, (parts, parts)."""
+        """Whether parts are glued to each other, and each to itself, (parts, parts)."""
         problem, parts = self._problem, self._problem.spaces.parts
         together = np.eye(parts.count, dtype=bool)
         for contact in problem.contacts:
@@ -152,7 +152,7 @@ class SlipShares:
 
 
 def slip_shares(problem: Problem, states: Sequence[ContactState]) -> SlipShares | None:
-    """Of the contacts of an answer; None where none of them has friction; collective."""
+    """Slip shares of an answer; None where no contact has friction; collective."""
     rubs = any(contact.friction.has_friction for contact in problem.contacts)
     return SlipShares(problem, states) if rubs else None
 
@@ -183,7 +183,7 @@ def _relative_motions(contact: ContactSurface, closed: Flags) -> Array:
 def _rigid_slip(
     contacts: Sequence[ContactSurface], states: Sequence[ContactState], jumps: Sequence[Array]
 ) -> RigidSlip:
-    """What motions do at the closed points of some contacts; collective.
+    """Slips of motions at the closed points of some contacts; collective.
 
     Args:
         contacts: At least one, all of one problem.

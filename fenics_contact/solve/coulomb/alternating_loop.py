@@ -183,7 +183,7 @@ class AlternatingLoop:
         return all_round_off(self.problem.contacts, self.newton.system.forces)
 
     def _rub_nothing(self) -> None:
-        """What to do where nothing touches; what glue holds then is not held."""
+        """Take friction for none where nothing touches; what glue holds then is not held."""
         for contact in self.contacts:
             contact.friction_term.follow_law()
             contact.friction.set_bound(np.zeros_like(contact.friction.bound))

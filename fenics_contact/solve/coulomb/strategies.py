@@ -1,4 +1,4 @@
-"""Which way to Coulomb friction, in which order, and what to do when one fails.
+"""Strategies for Coulomb friction, their order, and what follows when one fails.
 
 `campos` is the paper's loop and `lagged` its variant (``alternating_loop``); `monolithic` is
 Newton's method on the whole, `continuation` the same with the coefficient brought up in steps
@@ -91,7 +91,7 @@ class _Strategies:
         self.near = newton.problem.scene.solver.outer_tolerance
 
     def solve(self, strategy: str) -> Solution:
-        """By one strategy, or by one after the other until one converges."""
+        """Solve by one strategy, or by one after the other until one converges."""
         chosen = [strategy]
         if strategy == "auto":
             self.near = _NEAR

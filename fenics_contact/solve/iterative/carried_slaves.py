@@ -22,7 +22,7 @@ from fenics_contact.solve.iterative.contact_zone import slave_nodes
 
 @dataclass(frozen=True, eq=False)
 class _Links:
-    """Which contacts' slaves are on masters of other contacts.
+    """Links from contacts to those whose masters carry their slaves.
 
     Attributes:
         order: Numbers of the contacts whose slaves are carried, those first that carry others.
@@ -82,7 +82,7 @@ def cannot_be_carried(problem: Problem) -> str:
 
 
 def _links(problem: Problem) -> _Links:
-    """What carries what, by nodes that are free; collective."""
+    """Links between contacts, by nodes that are free; collective."""
     contacts = {number: c for number, c in enumerate(problem.contacts) if c.forces.terms}
     slaves = {number: slave_nodes(contact) for number, contact in contacts.items()}
     masters = {

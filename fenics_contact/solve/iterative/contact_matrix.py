@@ -20,7 +20,7 @@ Pairs = tuple[Integers, Integers]
 
 
 class ContactMatrix(AddedTangents):
-    """What K lacks to be the tangent, so that no copy of K is made.
+    """The part of the tangent beside K, as a matrix, so that no copy of K is made.
 
     Attributes:
         matrix: The entries, in the layout of all unknowns; masters of contacts between bodies held.

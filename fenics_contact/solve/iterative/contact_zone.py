@@ -1,4 +1,4 @@
-"""What lies at the contacts, whose equations are solved directly: stiff, nonlinear, and few."""
+"""The zone at the contacts, whose equations are stiff, nonlinear, few, and solved directly."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class ContactZone:
         return error is None
 
     def solve(self, right: Array) -> Array:
-        """What balances forces in the zone, all else held; collective."""
+        """Unknowns that balance forces in the zone, all else held; collective."""
         with self._right as array:
             array[:] = right
         self._factor.apply(self._right, self._solved)

@@ -41,7 +41,7 @@ class ForcingTerms:
         self.stagnates = False
 
     def next(self, imbalance: float, enough: float, forces: float) -> float:
-        """That of the next solve.
+        """Forcing term of the next linear solve.
 
         Args:
             imbalance: At present (force).

@@ -57,7 +57,7 @@ class Multigrid:
         self.setups += 1
 
     def apply(self, right: PETSc.Vec, solution: PETSc.Vec) -> None:
-        """One V-cycle; collective."""
+        """Apply one V-cycle; collective."""
         self._preconditioner.apply(right, solution)
         self.cycles += 1
 
@@ -68,7 +68,7 @@ class Multigrid:
 
 
 def _orthonormalise(vectors: list[PETSc.Vec]) -> None:
-    """By Gram and Schmidt, twice against round-off; the vectors are independent."""
+    """Orthonormalise by Gram and Schmidt, twice against round-off; vectors are independent."""
     for number, vector in enumerate(vectors):
         for before in vectors[:number] * 2:
             vector.axpy(-vector.dot(before), before)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Preconditioner:
-    """As PETSc sees it.
+    """Preconditioner of the tangent, as PETSc asks for it.
 
     It leaves no forces in the zone. So nothing as stiff as 1/ε₁ is in the residuals of a solve
     that starts without any there, and their norm is one of the body's forces.

@@ -56,7 +56,7 @@ class PinnedBody:
         return bulk.expand(load, at_contacts)
 
     def rigid_motions(self) -> Array:
-        """What nothing holds, at this rank's unknowns, (motions, unknowns)."""
+        """Rigid motions that nothing holds, at this rank's unknowns, (motions, unknowns)."""
         pins = np.flatnonzero(self._springs)
         at_contacts = np.zeros((len(pins), 0))
         if self._body.bulk.comm.rank == 0:
@@ -108,7 +108,7 @@ class _Lowest:
         return np.asarray(total(self._spaces.comm, flat @ others.T))
 
     def _solve(self, nodal: Array) -> Array:
-        """By what is not rigid of forces, what is not rigid of the answer."""
+        """The part of the answer that is not rigid, of the forces without their rigid part."""
         stiffness = self._body.stiffness
         nodal = nodal - np.tensordot(self._dots(self.rigid, nodal[None])[:, 0], self._moved, 1)
         load = stiffness.load(nodal, np.zeros_like(nodal), self._body.held)

@@ -22,7 +22,7 @@ class LinearisedBody:
         system.linearise(system.state)
 
     def solve(self, nodal: Array) -> Array:
-        """What forces change of the displacement.
+        """Change of the displacement by small forces.
 
         Args:
             nodal: At the nodes of this rank, (nodes, components) (force).

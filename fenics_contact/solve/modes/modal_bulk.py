@@ -26,7 +26,7 @@ _BLOCK, _MOST_BYTES = 16, 1e9
 
 
 class ModalBulk(CondensedBulk):
-    """As any bulk, of the matrix of a step in a few modes; collective.
+    """The condensed bulk of a step of motion in a few modes; collective.
 
     Args:
         body: Condensed, of K as in statics.
@@ -90,7 +90,7 @@ class ModalBulk(CondensedBulk):
         return np.asarray(total(self.comm, one.T @ other))
 
     def condense(self, load: Array) -> Array:
-        """What presses the free contact dofs as the load moves them, on rank 0.
+        """Forces at the free contact dofs that move them as a load does, on rank 0.
 
         Args:
             load: This rank's share of the forces on its unknowns; values where held.

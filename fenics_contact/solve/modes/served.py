@@ -39,7 +39,7 @@ class ServedOperators:
         self.size = int(self._ends[-1])
 
     def run(self, find: Callable[[Vectors], Found], key: str) -> Found:
-        """What rank 0 finds by the operators, on every rank.
+        """Run a function on rank 0, with operators of all ranks; its result is on every rank.
 
         Args:
             find: Is given the operators, of vectors of all ranks; called on rank 0.
