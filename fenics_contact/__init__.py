@@ -65,9 +65,9 @@ if TYPE_CHECKING:
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
     from fenics_contact.simulation.adaptive.levels import run, run_with_fields
-    from fenics_contact.simulation.asked_derivatives.objective import Objective
     from fenics_contact.simulation.fits.fit import Fit, fit
     from fenics_contact.simulation.fits.measured import Measured
+    from fenics_contact.simulation.fits.objective import Objective
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
     from fenics_contact.simulation.worn.wear_cycle import WearCycle
@@ -196,7 +196,7 @@ _MODULES = {
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
     "scene.laws.wear": ("Wear",),
-    "simulation.asked_derivatives.objective": ("Objective",),
+    "simulation.fits.objective": ("Objective",),
     "simulation.fits.fit": ("Fit", "fit"),
     "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),

@@ -15,7 +15,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 
 @dataclass(frozen=True)
-class Finding:
+class AnalysisFinding:
     """What an analysis has found with the answer.
 
     Attributes:
@@ -30,7 +30,7 @@ class Finding:
 class AnalysisTask:
     """What one analysis does in a run, nothing by default; all methods are collective.
 
-    The part ``task`` of its folder has the class as ``Task``.
+    The part ``task`` of its folder has the class as ``TASK``.
 
     Attributes:
         missing: What messages say where ``accepted``, ``evaluate`` or ``complete`` fails.
@@ -70,9 +70,9 @@ class AnalysisTask:
             solution: Of the step.
         """
 
-    def evaluate(self) -> Finding:
+    def evaluate(self) -> AnalysisFinding:
         """What is known of it once the last load step is solved."""
-        return Finding()
+        return AnalysisFinding()
 
     def complete(self, result: Result, body: Callable[[], KeptBody], notes: list[str]) -> Result:
         """The result with what it takes the body again to find.

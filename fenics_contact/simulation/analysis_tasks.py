@@ -17,7 +17,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.model import Seconds
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.analysis_task import AnalysisTask, Finding
+from fenics_contact.simulation.analysis_task import AnalysisFinding, AnalysisTask
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.newton.solution import Solution
 
@@ -40,7 +40,7 @@ class AnalysisTasks:
         self._comm = comm
         asked = [(analysis, analysis.part("task")) for analysis in registry.asked_by(scene)]
         self._tasks: list[tuple[Analysis, AnalysisTask]] = [
-            (analysis, part.Task(scene)) for analysis, part in asked if part is not None
+            (analysis, part.TASK(scene)) for analysis, part in asked if part is not None
         ]
         self._following: list[AnalysisTask] = []
         self.notes: list[str] = []
@@ -94,18 +94,18 @@ class AnalysisTasks:
             if len(self.notes) > known:
                 self._following.remove(task)
 
-    def evaluate(self, notes: list[str]) -> Finding:
+    def evaluate(self, notes: list[str]) -> AnalysisFinding:
         """What they have found with the answer.
 
         Args:
             notes: To which is added what could not be found.
         """
         every = [
-            attempt(self._comm, task.missing, task.evaluate, Finding(), notes)
+            attempt(self._comm, task.missing, task.evaluate, AnalysisFinding(), notes)
             for task in self._following
         ]
         attributes = {name: one for found in every for name, one in found.attributes.items()}
-        return Finding(attributes, "".join(found.words for found in every))
+        return AnalysisFinding(attributes, "".join(found.words for found in every))
 
     def complete(self, result: Result, body: Callable[[], KeptBody], timings: Timings) -> Result:
         """The result with what it takes the body again to find.

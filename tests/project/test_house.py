@@ -44,7 +44,6 @@ INSIDE = {
     "solve": ("systems", "condensed", "iterative", "newton", "coulomb", "load_steps"),
     "simulation": (
         *("restart", "sensitivities", "worn", "studies", "adaptive", "output", "sweeps", "fits"),
-        "asked_derivatives",
     ),
 }
 # These are read where there is no FEniCSx and no MPI, or before it is loaded.

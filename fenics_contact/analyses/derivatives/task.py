@@ -6,17 +6,17 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
+from fenics_contact.analyses.derivatives.asked import asked_derivatives, keys_asked_of
 from fenics_contact.analyses.derivatives.record import Derivative
+from fenics_contact.analyses.derivatives.uncertainty import uncertainties
 from fenics_contact.common.failures import attempt
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Result
 from fenics_contact.simulation.analysis_task import AnalysisTask
-from fenics_contact.simulation.asked_derivatives.asked import asked_derivatives, keys_asked_of
-from fenics_contact.simulation.asked_derivatives.uncertainty import uncertainties
 from fenics_contact.simulation.studies.kept_body import KeptBody
 
 
-class Task(AnalysisTask):
+class DerivativeTask(AnalysisTask):
     """Finds derivatives, and what tolerances make of them."""
 
     missing = "No derivatives"
@@ -41,3 +41,6 @@ class Task(AnalysisTask):
         nothing = Derivative(value=None, spread=None, discrete=None, one_sided=False)
         unknown = {name: dict.fromkeys(self._keys, nothing) for name in asked.of}
         return replace(result, derivatives=unknown)
+
+
+TASK = DerivativeTask

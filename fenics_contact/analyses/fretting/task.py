@@ -10,11 +10,11 @@ from fenics_contact.analyses.fretting.history import StressHistory
 from fenics_contact.analyses.fretting.words import fretting_words
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Result
-from fenics_contact.simulation.analysis_task import AnalysisTask, Finding
+from fenics_contact.simulation.analysis_task import AnalysisFinding, AnalysisTask
 from fenics_contact.solve.newton.solution import Solution
 
 
-class Task(AnalysisTask):
+class FrettingTask(AnalysisTask):
     """Keeps the stress near contacts along the load steps.
 
     Attributes:
@@ -42,16 +42,19 @@ class Task(AnalysisTask):
         if self.history is not None:
             self.history.add(time, solution)
 
-    def evaluate(self) -> Finding:
+    def evaluate(self) -> AnalysisFinding:
         """The criteria of fatigue, and where they are worst."""
         asked, history = self.scene.fretting, self.history
         assert asked is not None and history is not None
         record, places = evaluate_fretting(self._problem, asked, history) or (None, None)
         found = {"fretting": record, "fretting_places": places}
-        return Finding(found, fretting_words(asked, record))
+        return AnalysisFinding(found, fretting_words(asked, record))
 
     def write_fields(self, problem: Problem, result: Result, folder: Path) -> None:
         """Write ``fretting.pvd``."""
         if result.fretting_places is not None:
             moved = self._last.displacement
             write_fretting(problem.spaces, result.fretting_places, moved, folder)
+
+
+TASK = FrettingTask

@@ -15,7 +15,7 @@ from fenics_contact.simulation.analysis_task import AnalysisTask
 from fenics_contact.simulation.studies.kept_body import KeptBody
 
 
-class Task(AnalysisTask):
+class StabilityTask(AnalysisTask):
     """Finds the modes of bodies that slide.
 
     Attributes:
@@ -36,3 +36,6 @@ class Task(AnalysisTask):
         """Write ``squeal.pvd``."""
         if self.found is not None:
             write_complex_modes(problem.spaces, self.found.shapes, folder)
+
+
+TASK = StabilityTask

@@ -18,7 +18,7 @@ from fenics_contact.simulation.analysis_task import AnalysisTask
 from fenics_contact.simulation.studies.kept_body import KeptBody
 
 
-class Task(AnalysisTask):
+class VibrationTask(AnalysisTask):
     """Finds modes and drives them.
 
     Attributes:
@@ -53,3 +53,6 @@ class Task(AnalysisTask):
         """Write ``modes.pvd``."""
         if self.found is not None:
             write_modes(problem.spaces, self.found.shapes, folder)
+
+
+TASK = VibrationTask

@@ -16,7 +16,7 @@ import numpy as np
 from fenics_contact.analyses.fretting.recovery import Recovery
 from fenics_contact.analyses.fretting.region import tensors
 from fenics_contact.analyses.fretting.table import Fretting
-from fenics_contact.analyses.fretting.task import Task
+from fenics_contact.analyses.fretting.task import FrettingTask
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import on_root
@@ -172,7 +172,7 @@ def _edge_stress(prepared: Run, pulled: Pulled) -> float:
     sticks, that difference is smooth.
     """
     task = prepared.analyses.of("fretting")
-    assert isinstance(task, Task)
+    assert isinstance(task, FrettingTask)
     history = task.history
     assert history is not None and history.region.cells is not None and history.samples is not None
     recovery = Recovery(history.region.cells, 2)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fenics_contact.analyses.derivatives.means import Mean, Means
 from fenics_contact.analyses.derivatives.record import Derivative, Derivatives
 from fenics_contact.common.errors import InputError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.asked_derivatives.means import Mean, Means
 from fenics_contact.simulation.sensitivities.derivatives import keys_of
 from fenics_contact.simulation.sensitivities.gradients import find
 from fenics_contact.simulation.sensitivities.values import found_in

@@ -22,12 +22,12 @@ from fenics_contact import (
     main,
     run,
 )
+from fenics_contact.analyses.derivatives.asked import _derivative
+from fenics_contact.analyses.derivatives.means import Mean
 from fenics_contact.analyses.derivatives.table import DerivativeRequest
+from fenics_contact.analyses.derivatives.windows import Window
 from fenics_contact.analyses.derivatives.words import notes_on_derivatives
 from fenics_contact.problem.problem import Problem
-from fenics_contact.simulation.asked_derivatives.asked import _derivative
-from fenics_contact.simulation.asked_derivatives.means import Mean
-from fenics_contact.simulation.asked_derivatives.windows import Window
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.simulation.sensitivities.kinks import has_kink

@@ -10,24 +10,24 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
-from fenics_contact.body.description import BodyDescription
-from fenics_contact.common.arrays import Array
-from fenics_contact.common.errors import InputError, NotConvergedError
-from fenics_contact.quantities import table
-from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, PRESSURE_INTEGRAL, STRAIN_ENERGY
-from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.asked_derivatives.drive import driven
-from fenics_contact.simulation.asked_derivatives.window_answers import (
+from fenics_contact.analyses.derivatives.drive import driven
+from fenics_contact.analyses.derivatives.window_answers import (
     WindowAnswer,
     WindowAnswers,
 )
-from fenics_contact.simulation.asked_derivatives.windows import (
+from fenics_contact.analyses.derivatives.windows import (
     INTERVALS,
     INTERVALS_OF_AREAS,
     Answers,
     Window,
     find_window,
 )
+from fenics_contact.body.description import BodyDescription
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import InputError, NotConvergedError
+from fenics_contact.quantities import table
+from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, PRESSURE_INTEGRAL, STRAIN_ENERGY
+from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives
 from fenics_contact.simulation.sensitivities.values import found_in, numbered
 from fenics_contact.simulation.studies.changes import with_changes

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fenics_contact.analyses.derivatives.window_answers import WindowAnswer
 from fenics_contact.common.arrays import Array
-from fenics_contact.simulation.asked_derivatives.window_answers import WindowAnswer
 
 # Intervals between the answers of a window; and where an area jumps inside of them.
 INTERVALS, INTERVALS_OF_AREAS = 8, 16
