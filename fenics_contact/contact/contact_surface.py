@@ -187,6 +187,15 @@ class ContactSurface:
             self._drive(time)
         self.normal.set_gap(self.kinematics.gap)
 
+    def set_gap(self, gap: Array) -> None:
+        """Take another gap than that of where the two sides stand, until this is found again.
+
+        Args:
+            gap: Of the undeformed body, at the points (length).
+        """
+        self.kinematics.set_gap(gap)
+        self.normal.set_gap(gap)
+
     def _drive(self, time: float) -> None:
         kinematics = self.kinematics
         self.force = self.paths.force(time)

@@ -77,7 +77,8 @@ def require(scene: Scene) -> None:
         if not contact.is_rough:
             continue
         key = f"contact[{number}]"
-        if contact.friction_law is not None or contact.law != "incremental":
+        is_coulomb = contact.friction_law is None or contact.friction_law.is_proportional
+        if not is_coulomb or contact.law != "incremental":
             raise ValueError(
                 f"stability: {key}: only Coulomb's friction of law = 'incremental' tells in which "
                 "direction it slides"

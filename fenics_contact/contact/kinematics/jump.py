@@ -168,6 +168,10 @@ class ContactKinematics(ABC):
         self.interference, self.worn = interference, worn
         self.gap = self._drawn - interference + worn
 
+    def set_gap(self, gap: Array) -> None:
+        """Take a gap at the points as it is given (length)."""
+        self.gap = gap
+
     def _measure(self, drawn: Array) -> None:
         """Take a gap that was found from where the two sides stand."""
         self._drawn = drawn

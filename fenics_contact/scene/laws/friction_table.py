@@ -29,6 +29,11 @@ class FrictionLawTable:
     is_regular: ClassVar[bool] = False
 
     @property
+    def fits_motion(self) -> bool:
+        """Whether it follows velocities, so that bodies in motion may have it."""
+        return self.is_proportional or self.needs_motion
+
+    @property
     def at_rest(self) -> FrictionLawTable | None:
         """The law between bodies that do not slide; None where that is Coulomb's."""
         return self

@@ -208,8 +208,7 @@ def _require_free_modes(scene: Scene, motion: Motion) -> None:
         "preload": bool(scene.preload),
     }
     for number, contact in enumerate(scene.contact):
-        rubs = contact.friction_law is not None or contact.friction_coefficient != 0
-        others[f"contact[{number}] with friction"] = rubs
+        others[f"contact[{number}] with friction"] = contact.is_rough
         others[f"contact[{number}].kind = 'bonded'"] = contact.kind == "bonded"
     for key, is_there in others.items():
         if is_there:
@@ -254,8 +253,8 @@ def _require_contact(contact: Contact, key: str) -> None:
     if contact.kind not in _LAWS:
         raise ValueError(f"motion: {key}: only contacts that are {', '.join(_LAWS)} can move yet")
     law = contact.friction_law
-    rubs = law is not None or contact.friction_coefficient != 0
-    if rubs and (contact.law == "static" or not (law is None or law.needs_motion)):
+    follows = contact.law != "static" and (law is None or law.fits_motion)
+    if contact.is_rough and not follows:
         raise ValueError(
             f"motion: {key}: only Coulomb's friction of law = 'incremental', or with a "
             "friction_law of kind = 'speed dependent', follows velocities yet"

@@ -22,7 +22,6 @@ from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import CONTACT_AREA, CONTACT_RADIUS
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.trust.error_estimates.mesh.geometry import set_gap
 from fenics_contact.trust.error_estimates.solving_again import (
     Measure,
     Quantities,
@@ -96,9 +95,9 @@ def _shortened(
 
     def shorten(problem: Problem) -> None:
         problem.set_time(time)
-        set_gap(contact, np.where(beyond, np.inf, before))
+        contact.set_gap(np.where(beyond, np.inf, before))
 
     try:
         return last_step_again(load_steps, measure, shorten)
     finally:
-        set_gap(contact, before)
+        contact.set_gap(before)

@@ -22,7 +22,6 @@ from fenics_contact.results.result import Check
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.comparison import Place, nearer_to_failing, worst_of
-from fenics_contact.trust.error_estimates.mesh.geometry import set_gap
 from fenics_contact.trust.error_estimates.solving_again import (
     Measure,
     Quantities,
@@ -200,10 +199,10 @@ def _narrowed(load_steps: LoadSteps, measure: Measure, sunk: list[Sunk]) -> Quan
     def narrow(problem: Problem) -> None:
         problem.set_time(time)
         for one, gap in zip(sunk, before, strict=True):
-            set_gap(one.contact, gap - one.narrower)
+            one.contact.set_gap(gap - one.narrower)
 
     try:
         return last_step_again(load_steps, measure, narrow)
     finally:
         for one, gap in zip(sunk, before, strict=True):
-            set_gap(one.contact, gap)
+            one.contact.set_gap(gap)

@@ -171,6 +171,13 @@ def test_the_smallest_coefficient_at_which_something_grows_is_found_between_two_
     assert expected[0] < 1e-3 < expected[1]
 
 
+def test_coulombs_law_that_is_named_squeals_as_the_default_does():
+    scene, body = sliding_block(3, Stability(number=3))
+    named = dataclasses.replace(scene.contact[0], friction_law={"kind": "coulomb"})
+    found = exponents(dataclasses.replace(scene, contact=(named,)), body)
+    assert found == pytest.approx(exponents(scene, body), rel=1e-9, abs=1e-9)
+
+
 def test_what_sticks_is_not_asked_whether_it_slides():
     scene, body = sliding_block(3, Stability())
     contact = scene.contact[0]

@@ -303,3 +303,20 @@ def test_derivatives_follow_the_pressure():
 def test_contradictions_are_refused(keys, message):
     with pytest.raises(ValueError, match=message):
         Contact("top", **keys)
+
+
+def test_coulombs_law_that_is_named_moves_as_the_default_does():
+    """Other rules without velocities are refused in motion."""
+    keys = {"friction_coefficient": 0.4, "law": "incremental"}
+    named = keys | {"friction_law": {"kind": "coulomb"}}
+    one, other = (
+        run(
+            sheared(given, **MOVING | {"motion": Motion(step=0.1, end=0.3)}), COMM, box_body((4, 2))
+        )
+        for given in (keys, named)
+    )
+    assert one.quantities["max_slip"] > 0
+    for name in ("friction_force", "max_slip", "kinetic_energy"):
+        assert one.quantities[name] == pytest.approx(other.quantities[name], rel=1e-12), name
+    with pytest.raises(ValueError, match="follows velocities yet"):
+        sheared(BY_PRESSURE | {"law": "incremental"}, **MOVING)

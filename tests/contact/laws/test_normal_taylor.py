@@ -130,7 +130,7 @@ def test_the_transposed_derivatives(name):
         return np.sum(of_slopes * minus) + np.sum(of_energy * law.stored(jump))
 
     def at_gap(step):
-        kinematics.gap = gap + step * by_gap
+        kinematics.set_gap(gap + step * by_gap)
         return quantity(jump)
 
     def with_another(step, name, values):

@@ -97,24 +97,13 @@ def _again(
             problem.disturbance = Disturbance.growing(forces.nodal, time)
             problem.set_time(time)
         for (contact, one), gap in zip(gaps, before, strict=True):
-            set_gap(contact, gap - one)
+            contact.set_gap(gap - one)
 
     try:
         return last_step_again(load_steps, measure, narrow)
     finally:
         for (contact, _), gap in zip(gaps, before, strict=True):
-            set_gap(contact, gap)
-
-
-def set_gap(contact: ContactSurface, gap: Array) -> None:
-    """Give a contact other gaps at its points.
-
-    Args:
-        contact: The contact.
-        gap: Of the undeformed body (length).
-    """
-    contact.kinematics.gap = gap
-    contact.normal.set_gap(gap)
+            contact.set_gap(gap)
 
 
 def _beside_forces(

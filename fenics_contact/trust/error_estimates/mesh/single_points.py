@@ -18,7 +18,6 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.trust.error_estimates.mesh.geometry import set_gap
 from fenics_contact.trust.error_estimates.solving_again import (
     Measure,
     differences,
@@ -50,13 +49,13 @@ def single_point_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashabl
     def widen(problem: Problem) -> None:
         problem.set_time(time)
         for contact, gap, depth in before:
-            set_gap(contact, gap + depth)
+            contact.set_gap(gap + depth)
 
     try:
         return differences(answer, last_step_again(load_steps, measure, widen))
     finally:
         for contact, gap, _ in before:
-            set_gap(contact, gap)
+            contact.set_gap(gap)
 
 
 def touches_in_points(contact: ContactSurface, state: ContactState) -> bool:
