@@ -1,4 +1,4 @@
-"""What a run found, as plain data and in words: all that pages, terminal and files share.
+"""Results of a run, as plain data and in words: shared by pages, terminal and files.
 
 No FEniCSx.
 """

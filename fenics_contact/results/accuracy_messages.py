@@ -1,4 +1,4 @@
-"""What is said of the accuracy that a scene asks for. No FEniCSx in here."""
+"""Messages on the accuracy that a scene asks for. No FEniCSx in here."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _ADVICE = {
 
 
 def source_advice(source: str) -> str:
-    """What to do against errors of a source other than the mesh."""
+    """Return advice against errors of a source other than the mesh."""
     return _ADVICE[source]
 
 
 def plan(asked: Mapping[str, float], accuracy: Accuracy) -> str:
-    """What is to be done, for ``fenics-contact check``."""
+    """Return the plan of adaptive meshes in words, for ``fenics-contact check``."""
     limits = ", ".join(f"{percent(v)} of {in_words(name)}" for name, v in asked.items())
     return (
         f"Adaptive: finer meshes until the estimated errors are below {limits}; at most "
@@ -53,7 +53,7 @@ def level_line(number: int, level: LevelRecord, asked: Mapping[str, float]) -> s
 
 
 def energy_line(by_energy: Mapping[str, str]) -> str:
-    """Which quantities have no adjoint, and why, on one line; nothing where all have."""
+    """Return on one line which quantities have no adjoint, and why; empty where all have."""
     found = "; ".join(f"{in_words(name)}: {why}" for name, why in by_energy.items())
     return f"refined by errors in the energy norm: {found}" if found else ""
 

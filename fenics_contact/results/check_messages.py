@@ -1,4 +1,4 @@
-"""What each check compares, and what it means when it fails, in words: in this one place."""
+"""Words of the checks: what each compares, and what its failure means."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fenics_contact.results.result import Check
 
 @dataclass(frozen=True)
 class CheckWords:
-    """Of a check.
+    """Words of a check.
 
     Attributes:
         compares: What is compared, and over what its value is taken; a sentence.
@@ -181,7 +181,7 @@ WORDS: Mapping[str, CheckWords] = {
 
 
 def title(name: str) -> str:
-    """What a check is called where people read; its key in words, if nothing else is said.
+    """Return the title of a check for readers; by default its key in words.
 
     Args:
         name: Its key in ``result.json``.
@@ -193,12 +193,12 @@ def title(name: str) -> str:
 
 
 def compares(name: str) -> str:
-    """What a check compares; empty for one that is not known, as of another version's file."""
+    """Return what a check compares; empty for an unknown check, as of another version's file."""
     return WORDS[name].compares if name in WORDS else ""
 
 
 def failure(name: str, check: Check) -> str:
-    """What is wrong, how much, and where: ``friction cone: traction exceeds …``."""
+    """Return what is wrong, by how much, and where: ``friction cone: traction exceeds …``."""
     words = WORDS[name]
     said = words.kinds[check.kind] if check.kind else words.failure
     said = said.format(share=_share(check.value))

@@ -1,4 +1,4 @@
-"""What a run found at the contact points: plain data, global, the same on any number of ranks."""
+"""Results at the contact points: plain data, global, the same on any number of ranks."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class ContactPoints:
     own: Mapping[str, Array] = field(default_factory=dict)
 
     def of(self, contact: int) -> Flags:
-        """Which rows belong to a contact.
+        """Return for each row whether it belongs to a contact.
 
         Args:
             contact: Its number, in scene order.

@@ -64,7 +64,7 @@ class ContactTable:
 
     @property
     def closed(self) -> Flags:
-        """Which points touch the obstacle."""
+        """Flags of the points that touch, (points,)."""
         return np.asarray(self.status != "OPEN")
 
     def of(self, contact: str) -> ContactTable:
@@ -82,7 +82,7 @@ class ContactTable:
 
 
 def _require_whole(head: list[str], rows: list[list[str]]) -> None:
-    """That the columns are those that runs write, and every row has them all.
+    """Refuse a table whose columns are not those that runs write, or whose rows lack some.
 
     Raises:
         ValueError: They are not.

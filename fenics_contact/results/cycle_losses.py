@@ -1,4 +1,4 @@
-"""What cycles of loads lose, from the records of load steps."""
+"""Losses in cycles of loads, from the records of load steps."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _of_all(rows: Sequence[ErrorRow], repeats: int) -> ErrorRow:
 
 
 def _passed_over(history: History, cycles: Cycles) -> CyclesRecord:
-    """Of cycles that wear, of each of which the last load step is known.
+    """Return the record of cycles that wear, of which each one's last load step is known.
 
     Args:
         history: Those steps.
@@ -139,7 +139,7 @@ def _cycle(
     end: int,
     errors: Mapping[LossOfCycle, ErrorRow],
 ) -> CycleRecord:
-    """What comes out of a cycle.
+    """Return the record of a cycle.
 
     Args:
         history: Of the run.
@@ -177,7 +177,7 @@ def _cycle(
 
 
 def _loop(drive: Drive, begin: int, end: int) -> LoopRecord:
-    """Of what is moved in a cycle; before the first load step nothing is, by nothing."""
+    """Return the loop of a drive in a cycle; before the first load step all is 0."""
     moved, force = (
         np.concatenate([[0.0] if begin < 0 else [], values[max(begin, 0) : end + 1]])
         for values in (drive.x, drive.y)

@@ -1,4 +1,4 @@
-"""What a fit found: the content of ``fit.json``."""
+"""Result of a fit: the content of ``fit.json``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came out of the load steps of a run, as curves: from its ``result.json``."""
+"""Results of the load steps of a run as curves, from its ``result.json``."""
 
 from __future__ import annotations
 
@@ -65,13 +65,13 @@ class History:
 
     @classmethod
     def of(cls, result: Outcome) -> History:
-        """That of a run."""
+        """Return the history of a run."""
         steps = [step for step in result.steps if step.quantities]
         return cls(steps, np.array([step.load_factor for step in steps]))
 
     @property
     def clock(self) -> str:
-        """What its times are: ``time`` where bodies move, else ``pseudo-time``."""
+        """Name of its times: ``time`` where bodies move, else ``pseudo-time``."""
         return clock_of(self.steps)
 
     def quantity(self, name: str) -> Array:
@@ -161,7 +161,7 @@ def _varies(values: Array) -> bool:
 
 
 def clock_of(steps: Sequence[StepRecord]) -> str:
-    """What times of load steps are: ``time`` where bodies move, else ``pseudo-time``."""
+    """Return the name of the steps' times: ``time`` where bodies move, else ``pseudo-time``."""
     moves = any(KINETIC_ENERGY in step.quantities for step in steps)
     return "time" if moves else "pseudo-time"
 

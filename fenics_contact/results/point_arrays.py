@@ -32,7 +32,7 @@ class PointArray:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Of ``contact.csv``: one, three of a vector, none of what is not written."""
+        """Columns of ``contact.csv``: one, three of a vector, none if it is not written."""
         if not self.is_written:
             return ()
         column = self.column or self.name
@@ -40,7 +40,7 @@ class PointArray:
 
     @property
     def words(self) -> str:
-        """What pictures call it."""
+        """Name in pictures."""
         return self.name.replace("_", " ")
 
 

@@ -15,7 +15,7 @@ from fenics_contact.scene.quantity_names import OF_PRELOADS, OfScalar
 
 
 def measured_by_parameter(name: str) -> str:
-    """What a parameter of a contact measures, as the scene's key of its name does."""
+    """Return the dimension of a contact's parameter, that of the scene's key of its name."""
     return measured_by_key(name, Contact, Obstacle, *NormalLawTable.__subclasses__())
 
 

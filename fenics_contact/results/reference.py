@@ -1,4 +1,4 @@
-"""What ``result.json`` holds, read off the records: for ``docs/results.md``.
+"""Reference of ``result.json``, read off the records: for ``docs/results.md``.
 
 ``python docs/make_results.py`` writes the tables into the page.
 """
@@ -107,7 +107,7 @@ def _rows(record: type[Record]) -> list[str]:
 
 
 def _value(hint: Any, may_be_null: bool = True) -> str:
-    """What a key holds, in words."""
+    """Return in words which values a key holds."""
     origin, parts = typing.get_origin(hint), typing.get_args(hint)
     if origin is typing.Literal:
         return " or ".join(f'`"{word}"`' for word in parts)

@@ -1,4 +1,4 @@
-"""What a run found: plain data, global, the same on any number of ranks."""
+"""Results of a run: plain data, global, the same on any number of ranks."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Check:
         return replace(found, kind=kind, contact=contact, part=part, place=list(self.place))
 
     def as_dict(self) -> dict[str, Any]:
-        """The same as a dictionary."""
+        """Return the check as a dictionary."""
         return self.record().as_dict()
 
 
@@ -103,7 +103,7 @@ class Result(Outcome):
         return as_text(self)
 
     def _repr_html_(self) -> str:
-        """What notebooks show."""
+        """Return the HTML that notebooks show."""
         from fenics_contact.results.words.short_forms import as_html
 
         return as_html(self)
@@ -137,7 +137,7 @@ class Result(Outcome):
         return (key for key in super().__iter__() if key not in others)
 
     def record(self, scene: str) -> RunRecord:
-        """What stands in ``result.json``.
+        """Return the content of ``result.json``.
 
         Args:
             scene: Text of the scene that was solved.
@@ -147,7 +147,7 @@ class Result(Outcome):
         return RunRecord(**found | {"checks": checks}, passed=self.passed, scene=scene)
 
     def as_dict(self) -> dict[str, Any]:
-        """What stands in ``result.json``, but for the scene."""
+        """Return the content of ``result.json``, without the scene."""
         found = self.record(scene="").as_dict()
         del found["scene"]
         return found

@@ -38,7 +38,7 @@ def read_result(folder: Path) -> RunRecord:
 
 
 def record_of(content: Any) -> RunRecord:
-    """What was read from a ``result.json``.
+    """Return the record of the content of a ``result.json``.
 
     Raises:
         ValidationError: It is not one of this program.

@@ -1,4 +1,4 @@
-"""What results say of the model: how it is solved, and each contact's sides and parameters."""
+"""Description of the model in results: its solver, and each contact's sides and parameters."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def model_of(
 
 
 def _free_modes(problem: Problem) -> int | None:
-    """Of a motion that moves in some, once their number is known."""
+    """Return the number of modes in which bodies move, once it is known; else None."""
     modes = problem.scene.motion and problem.scene.motion.modes
     return modes.number if modes and isinstance(modes.number, int) else None
 

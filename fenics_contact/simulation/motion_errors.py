@@ -81,7 +81,7 @@ class MotionErrors:
         self._answer = _values(last)
 
     def budget(self) -> ErrorBudget:
-        """Of all quantities, by source."""
+        """Return the errors of all quantities, by source."""
         sources: dict[str, Callable[[], Errors]] = {
             "mesh": self._by_mesh,
             "penalty": lambda: self._by_parameter("penalty_parameter"),
@@ -159,7 +159,7 @@ def _if_it_fits(estimate: Callable[[], Errors]) -> Errors:
 
 
 def _values(step: StepRecord) -> dict[Hashable, Any]:
-    """By the keys of budgets: what has a true value."""
+    """Return the values that have a true value, by the keys of budgets."""
     found: dict[Hashable, Any] = dict(_true(step.quantities).items())
     for number, contact in enumerate(step.contacts):
         found |= {(number, name): value for name, value in _true(contact.quantities).items()}

@@ -95,7 +95,7 @@ class Comparison:
 
     @property
     def names(self) -> list[str]:
-        """What the runs are called."""
+        """Names of the runs."""
         return [run.name for run in self.runs]
 
     def scene_rows(self) -> list[list[str]]:
@@ -140,7 +140,7 @@ class Comparison:
         return [group for group in shown if group.rows or group.settings]
 
     def notes(self) -> list[str]:
-        """What is to be known before numbers are compared, a sentence each."""
+        """Return remarks to read before numbers are compared, a sentence each."""
         return list(_notes(self.runs))
 
     def headline(self, groups: Sequence[Group]) -> str:
@@ -194,7 +194,7 @@ class Comparison:
     def _quantity_rows(
         self, places: Sequence[tuple[Quantities, Errors] | None], hidden: set[str]
     ) -> Iterator[QuantityRow]:
-        """Of one thing, as each run has it."""
+        """Yield the rows of the quantities of one contact, support or model in all runs."""
         there = [place for place in places if place is not None]
         for key in dict.fromkeys(key for quantities, _ in there for key in quantities):
             if key in hidden or not (self.every or has_true_value(key)):

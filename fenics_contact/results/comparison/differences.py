@@ -50,7 +50,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Difference:
-    """Of a quantity in two runs.
+    """Difference of a quantity between two runs.
 
     Attributes:
         words: Second less first, component by component.
@@ -112,7 +112,7 @@ def difference(first: Estimate, second: Estimate, size: float) -> Difference:
 
 
 def _in_two_figures(number: float) -> str:
-    """Of a large one in more, so that it has no power of ten."""
+    """Return a number in two figures, large ones in more, so that there is no power of ten."""
     return f"{number:.2g}" if number < 100 else f"{number:.0f}"
 
 

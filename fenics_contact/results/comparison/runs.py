@@ -17,7 +17,7 @@ _SWEEP = ("sweep.json", "sweep.csv")
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """A run, and what it is called beside others.
+    """A run with its name in a comparison.
 
     Attributes:
         name: Of its folder; the folder's path where several have this name.
@@ -99,7 +99,7 @@ def _words(units: UnitsRecord) -> str:
 
 
 def units_of(runs: Sequence[ComparedRun]) -> UnitsRecord | None:
-    """Those of all numbers, if any run says them.
+    """Return the units of all numbers, if any run has units.
 
     Args:
         runs: That are compared.

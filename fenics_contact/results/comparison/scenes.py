@@ -1,4 +1,4 @@
-"""What differs in the scenes of several runs: keys as ``--set`` takes them, and their values."""
+"""Differences between the scenes of several runs: keys as ``--set`` takes them, and values."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def is_made_in_python(runs: Sequence[ComparedRun]) -> bool:
 
 
 def _scene(run: ComparedRun) -> dict[str, Any]:
-    """As tables, with paths of meshes from the present folder: each run has them from its own."""
+    """Return a run's scene as tables, with paths of meshes from the present folder."""
     try:
         scene = tomllib.loads(run.result.scene)
     except (ValueError, RecursionError) as error:
@@ -85,7 +85,7 @@ def _leaves(
 
 
 def _alike(values: list[Any]) -> list[Any]:
-    """One table where others have a list of them, as ``[mesh]`` beside ``[[mesh]]``, is in one."""
+    """Return values with single tables as lists, where others are lists, as ``[[mesh]]``."""
     if any(_is_tables(value) for value in values):
         return [[value] if isinstance(value, dict) else value for value in values]
     return values
@@ -96,7 +96,7 @@ def _is_tables(value: Any) -> bool:
 
 
 def _key(path: tuple[str, ...]) -> str:
-    """As for ``--set``; names with dots in quotes."""
+    """Return a key as for ``--set``; names with dots are in quotes."""
     return one_line(".".join(f'"{name}"' if "." in name else name for name in path))
 
 
@@ -109,7 +109,7 @@ def _written(value: Any, scene: dict[str, Any], path: tuple[str, ...]) -> str:
 
 
 def _default(scene: dict[str, Any], path: tuple[str, ...]) -> Any:
-    """What holds at a path where a scene says nothing; nothing inside of what is not there."""
+    """Return the default of a key that a scene leaves out; missing inside a missing table."""
     tables: list[type] = [Scene]
     value: Any = scene
     for name in path:
@@ -139,7 +139,7 @@ def _of_class(tables: list[type], name: str) -> Any:
 
 
 def _toml(value: Any) -> str:
-    """As TOML has it, on one line; numbers in the fewest figures."""
+    """Return a value as TOML on one line, with numbers in the fewest figures."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):

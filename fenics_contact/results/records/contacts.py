@@ -88,7 +88,7 @@ class ContactRecord(Record):
 
     @property
     def own_arrays(self) -> tuple[PointArray, ...]:
-        """What its laws keep of their own at the points, and files and pictures have."""
+        """State variables of its laws at the points, which files and pictures have."""
         return tuple(PointArray(**array) for array in self.arrays)
 
     @property

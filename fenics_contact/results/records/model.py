@@ -1,4 +1,4 @@
-"""What was solved, how, on which meshes and in which time."""
+"""Records of the model, the solver, the meshes and the time that they took."""
 
 from __future__ import annotations
 

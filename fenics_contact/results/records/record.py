@@ -1,4 +1,4 @@
-"""What an object of ``result.json`` is in the program: a frozen dataclass that also has keys."""
+"""Base class of the objects of ``result.json``: a frozen dataclass that also has keys."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def plain(value: Any) -> Any:
 
 
 def meanings(record: type) -> dict[str, str]:
-    """What each attribute of a record is, as its docstring and those of its bases say it.
+    """Return the meaning of each attribute of a record, from its docstring and those of its bases.
 
     Args:
         record: Its class.

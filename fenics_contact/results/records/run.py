@@ -113,5 +113,5 @@ class RunRecord(Outcome):
     scene: str
 
     def __iter__(self) -> Iterator[str]:
-        """As in the file, where ``passed`` stands beside ``converged``."""
+        """Iterate over the keys in the file's order, with ``passed`` after ``converged``."""
         return iter(dict.fromkeys(("title", "converged", "passed", *super().__iter__())))

@@ -1,4 +1,4 @@
-"""What a run found, in words and tables: values with their bars, headlines, short forms.
+"""Results in words and tables: values with their bars, headlines, short forms.
 
 No FEniCSx in here.
 """

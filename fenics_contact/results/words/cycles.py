@@ -36,7 +36,7 @@ def cycle_words(cycles: CyclesRecord | None) -> str:
 
 
 def _worn_words(computed: int, number: int, worn: WornCycleEnd) -> str:
-    """How far cycles that wear have come, and how sure what was passed over is."""
+    """Return how many cycles that wear were computed, and the error of the others, in words."""
     errors = worn.errors
     return (
         f" {number} cycles wear, of which {computed} were computed; passing over the others may be "
@@ -80,7 +80,7 @@ def cycle_rows(cycles: CyclesRecord | None, units: UnitsRecord | None = None) ->
 
 
 def _worn_rows(each: list[CycleRecord], units: UnitsRecord | None) -> list[list[str]]:
-    """The same of cycles that wear and are passed over."""
+    """Return the table of cycles that wear, most of which are passed over."""
     rows = [
         [
             "cycle",

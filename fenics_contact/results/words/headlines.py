@@ -47,7 +47,7 @@ def headlines(result: Outcome) -> list[str]:
 
 @dataclass(frozen=True)
 class _Words:
-    """Of a run.
+    """Words for a run's values.
 
     Attributes:
         units: Its own; without names where it has none.
@@ -58,13 +58,13 @@ class _Words:
     sizes: Mapping[str, float]
 
     def of_preload(self, name: str, preload: PreloadRecord) -> str:
-        """Its force, and whether it is still tightened."""
+        """Return the force of a preload, and whether its length is locked."""
         force = self._with_bar(preload.force, preload.errors, "force", "force")
         locked = ", its length locked" if preload.locked else ""
         return f"Preload '{one_line(name)}': force {force}{locked}."
 
     def of_contact(self, contact: ContactRecord) -> str:
-        """What it carries, how hard it presses at the most, and how far it slips."""
+        """Return the force, largest pressure and slip of a contact."""
         found, idle = contact.quantities, idle_quantities([contact])
         pressing = NORMAL_FORCE if found.get(NORMAL_FORCE) is not None else PRESSURE_INTEGRAL
         words = []

@@ -14,7 +14,7 @@ _WORDS = {
 
 
 def outcome_of(exit_code: int) -> str:
-    """What became of a run.
+    """Return the outcome of a run in words.
 
     Args:
         exit_code: Of it.

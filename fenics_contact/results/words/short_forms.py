@@ -117,7 +117,7 @@ def as_text(result: Result) -> str:
 
 
 def as_html(result: Result) -> str:
-    """The same in HTML; all text is escaped.
+    """Return the short form of a result in HTML; all text is escaped.
 
     Args:
         result: Of a run.

@@ -1,4 +1,4 @@
-"""What a run found, as rows of a table and in short words."""
+"""Results of a run as rows of a table and in short words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run says at the rows of a measured curve: values, derivatives and errors.
+"""Values, derivatives and errors of a run at the rows of a measured curve.
 
 Between load steps a curve is straight. Over a quantity its rows are found on it in the order in
 which they were measured, from one turning point to the next: so a loop has its two branches.
@@ -28,7 +28,7 @@ _BEYOND = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a run says at the rows of a curve.
+    """Answer of a run at the rows of a curve.
 
     Attributes:
         values: (rows,).
@@ -62,7 +62,7 @@ class Curve(Protocol):
 
 
 def curve_of(measured: Measured, study: Study) -> Curve:
-    """Which way the rows are found.
+    """Return the kind of curve by which answers at the rows are found.
 
     Args:
         measured: The rows.

@@ -39,7 +39,7 @@ _AT_BOUND = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What was found, and the two curves.
+    """Result of a fit, with the measured and the fitted curve.
 
     Attributes:
         record: The content of ``fit.json``.
@@ -194,13 +194,13 @@ class _Search:
 
     @property
     def _deviation(self) -> Array:
-        """By which rows are weighted: uncertainties, or as if all had the same."""
+        """Deviations by which rows are weighted: their uncertainties, or the same for all."""
         known = self._measured.uncertainties
         size = float(np.abs(self._measured.values).max()) or 1.0
         return np.full(len(self._measured), size) if known is None else known
 
     def _residual(self, scaled: Array) -> Array:
-        """Of the rows, over their deviations; not finite where a scene has no answer."""
+        """Return residuals of the rows over their deviations; not finite without an answer."""
         key = scaled.tobytes()
         if key not in self._known:
             try:
@@ -215,7 +215,7 @@ class _Search:
         return np.asarray(slopes * self._scales / self._deviation[:, None])
 
     def record(self, found: optimize.OptimizeResult) -> FitRecord:
-        """What stands in ``fit.json``.
+        """Return the content of ``fit.json``.
 
         Args:
             found: Of the search.

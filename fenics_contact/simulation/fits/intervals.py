@@ -30,7 +30,7 @@ _PART = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """Of the parameters of a fit.
+    """Confidence intervals of the parameters of a fit.
 
     Attributes:
         slopes: J, (rows, parameters).
@@ -46,7 +46,7 @@ class Intervals:
 
     @cached_property
     def _lengths(self) -> Array:
-        """Of the weighted columns; 1 of those that are zero."""
+        """Lengths of the weighted columns; 1 for those that are zero."""
         lengths = np.linalg.norm(self.slopes / self.deviation[:, None], axis=0)
         return np.where(lengths > 0, lengths, 1.0)
 
@@ -59,7 +59,7 @@ class Intervals:
 
     @property
     def singular_values(self) -> Array:
-        """Of the derivatives, each column over its length, the largest first."""
+        """Singular values of the derivatives with columns of length 1, the largest first."""
         return self._parts[1]
 
     @cached_property
@@ -87,7 +87,7 @@ class Intervals:
 
     @cached_property
     def covariance(self) -> Array:
-        """By the noise alone, (parameters, parameters)."""
+        """Covariance by the noise alone, (parameters, parameters)."""
         weighted = self.gain * self.deviation
         return np.asarray(weighted @ weighted.T)
 
@@ -98,13 +98,13 @@ class Intervals:
 
     @property
     def correlations(self) -> Array:
-        """Of the parameters, (parameters, parameters)."""
+        """Correlations of the parameters, (parameters, parameters)."""
         deviations = np.where(self.noise > 0, self.noise, 1.0)
         return np.asarray(self.covariance / np.outer(deviations, deviations))
 
     @cached_property
     def discretisation(self) -> Array:
-        """What mesh, penalty and regularisation may change of each, (parameters,)."""
+        """Error of each parameter by mesh, penalty and regularisation, (parameters,)."""
         found = np.zeros(self.slopes.shape[1])
         for source, draws in self.errors.items():
             whole, *drawn = np.abs(draws @ self.gain.T)
@@ -115,18 +115,18 @@ class Intervals:
 
     @property
     def half_widths(self) -> Array:
-        """Of intervals around the estimates, (parameters,)."""
+        """Half widths of the intervals about the estimates, (parameters,)."""
         pairs = zip(self.noise, self.discretisation, strict=True)
         return np.array([_half_width(noise, shift, self.freedom) for noise, shift in pairs])
 
     @property
     def half_widths_by_noise(self) -> Array:
-        """The same if the run had no errors."""
+        """Half widths of the intervals if the run had no errors, (parameters,)."""
         return np.array([_half_width(noise, 0.0, self.freedom) for noise in self.noise])
 
 
 def _half_width(noise: float, shift: float, freedom: int | None) -> float:
-    """That covers the truth with ``CONFIDENCE`` where the estimate is off by a shift besides.
+    """Return the half width that covers the truth with ``CONFIDENCE`` under noise and a shift.
 
     Args:
         noise: Standard deviation.

@@ -101,7 +101,7 @@ def _table(path: Path) -> tuple[list[str], list[list[str]]]:
 
 
 def _abscissae(path: Path, head: Sequence[str], scene: Scene) -> tuple[tuple[str, ...], list[str]]:
-    """What the curve is over, and the other columns: keys of the scene all come first."""
+    """Return the abscissae of the curve, and the other columns: keys of the scene come first."""
     keys = _keys(head, scene)
     number = len(keys) or 1
     if len(head) <= number:

@@ -32,7 +32,7 @@ class Parameter:
 
     @property
     def scale(self) -> float:
-        """By which it is divided, so that parameters of different units are of one size."""
+        """Divisor by which parameters of different units get one size."""
         return abs(self.start) or 1.0
 
 

@@ -1,4 +1,4 @@
-"""What a fit says of its parameters, in sentences."""
+"""Sentences on the parameters of a fit."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def notes_of(
     misfit: float | None,
     free: int,
 ) -> list[str]:
-    """What to know of the intervals.
+    """Return remarks on the intervals.
 
     Args:
         keys: Of the parameters.

@@ -100,7 +100,7 @@ class NodalStress:
         self._expression = form_cache.expression(problem.elastic.stress(), points)
 
     def at_nodes(self) -> Array:
-        """That of the problem's present displacement, (nodes, 3, 3) (stress)."""
+        """Return the stress of the problem's present displacement, (nodes, 3, 3) (stress)."""
         mesh, spaces = self._problem.body.mesh, self._problem.spaces
         values = self._expression.eval(mesh, self._cells).reshape(-1, 9)
         nodes, count = self._nodes, len(spaces.coordinates)
@@ -111,7 +111,7 @@ class NodalStress:
 
 
 def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
-    """What happens at the contacts' nodes, and what laws keep of their own there.
+    """Return the fields at the contacts' nodes, with the state variables of their laws.
 
     At a node of two contacts the later one's values stand.
     """
@@ -146,7 +146,7 @@ def _set(trace: Trace, nodal: Array, values: Array) -> None:
 
 
 def body_of_cells(spaces: Spaces) -> dict[str, NDArray[Any]]:
-    """Of each cell that this rank owns, the connected part that it is of."""
+    """Return the connected part of each cell that this rank owns."""
     topology = spaces.body.mesh.topology
     count = topology.index_map(topology.dim).size_local
     of_node = spaces.parts.of_node[spaces.displacement_space.dofmap.list[:count, 0]]
@@ -154,7 +154,7 @@ def body_of_cells(spaces: Spaces) -> dict[str, NDArray[Any]]:
 
 
 def _cell_fields(problem: Problem) -> dict[str, NDArray[Any]]:
-    """Of each cell that this rank owns: its body, and its facets that carry each contact."""
+    """Return for each cell that this rank owns its body, and its facets of each contact."""
     fields = body_of_cells(problem.spaces)
     count = len(fields[BODY_OF_CELLS])
     for contact in problem.contacts:

@@ -20,7 +20,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 @dataclass(frozen=True, eq=False)
 class ContactFields:
-    """What happens on one contact, on a mesh of its facets: ``pressure.function_space.mesh``.
+    """Fields of one contact, on a mesh of its facets: ``pressure.function_space.mesh``.
 
     That is the surface of which ``contact.csv`` has the points: `on`, or of two bodies the one
     that the program chose as the slave. A rank without facets of it has functions without values.
@@ -74,7 +74,7 @@ def fields_of(problem: Problem, solution: Solution) -> Fields:
 
 
 def _stress(problem: Problem) -> Function:
-    """That of the problem's present displacement."""
+    """Return the stress of the problem's present displacement (stress)."""
     spaces = problem.spaces
     space = fem.functionspace(spaces.body.mesh, ("Lagrange", spaces.degree, (3, 3)))
     node_of = np.empty(len(spaces.coordinates), dtype=np.int64)

@@ -154,5 +154,5 @@ class JournalFile:
 
 
 def _made_by() -> dict[str, Any]:
-    """What numbers depend on besides the scene."""
+    """Return the versions that numbers depend on besides the scene."""
     return {"format": _FORMAT, **compat.versions()}

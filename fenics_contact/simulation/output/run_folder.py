@@ -162,7 +162,7 @@ def _take_place(aside: Path, folder: Path) -> None:
 
 
 def _write_level(result: Result, folder: Path, aside: Path, scene: str) -> None:
-    """What the last level has become: with all levels, and whether they reached what was asked."""
+    """Write the last level's result, with all levels and whether they reached the accuracy."""
     with naming(folder):
         shutil.rmtree(aside, ignore_errors=True)
     _write_result(result, folder, scene)
@@ -257,7 +257,7 @@ class StepFiles:
         on_root(self._comm, lambda: self._table.follow(self._run.steps))
 
     def add_fields(self) -> None:
-        """Those of the last step."""
+        """Write the fields of the last step."""
         steps = self._run.steps
         write = partial(self._fields.write, self._run.forces, steps[-1].load_factor, len(steps))
         attempt(self._comm, "Fields were not written", write, None, self.notes)

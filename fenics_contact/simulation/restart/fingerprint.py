@@ -112,7 +112,7 @@ class _Probe:
         return type(value).__qualname__
 
     def _given_by(self, function: Any) -> str:
-        """What a function gives: of places, of pseudo-times, or as UFL; else only its name."""
+        """Return a digest of a function's values or of its UFL; of none of these, its name."""
         ways: tuple[Callable[[], str], ...] = (
             lambda: np.asarray(function(self._points), dtype=np.float64).tobytes().hex(),
             lambda: np.array([float(function(t)) for t in _TIMES]).tobytes().hex(),

@@ -42,7 +42,7 @@ class Rows:
 
 @dataclass(frozen=True)
 class _Contents:
-    """What a file has of a table: how many rows and blocks, and the names of the columns."""
+    """Contents of a table in a file: numbers of rows and blocks, and names of columns."""
 
     rows: int
     blocks: int

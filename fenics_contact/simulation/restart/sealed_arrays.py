@@ -75,7 +75,7 @@ def replaced_arrays(path: Path) -> Iterator[NewArrays]:
 
 
 def read_header(path: Path) -> dict[str, Any]:
-    """What is no array of a file whose arrays are all as they were written.
+    """Return the header of a file, once its arrays are found to be as they were written.
 
     Raises:
         InputError: It is damaged, or no such file at all.

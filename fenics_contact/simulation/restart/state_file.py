@@ -42,7 +42,7 @@ _FORMAT = 2
 
 @dataclass(frozen=True, eq=False)
 class SavedRun:
-    """What a run had reached.
+    """State that a run had reached.
 
     Attributes:
         last: Its last accepted load step.
@@ -157,7 +157,7 @@ class StateFile:
         on_root(self._comm, say)
 
     def load(self) -> SavedRun | None:
-        """What another run had reached, None without a file; collective.
+        """Return the state that another run had reached, None without a file; collective.
 
         Raises:
             InputError: It is damaged, or of another scene, mesh or version.
@@ -259,7 +259,7 @@ class StateFile:
         return tables
 
     def _of_contact(self, number: int, at_points: dict[str, Array]) -> dict[str, Rows]:
-        """What is at the points of a contact: at its nodes, and at its facets' centres."""
+        """Return the rows of a contact's points: at its nodes, and at its facets' centres."""
         contact = self._problem.contacts[number]
         trace = contact.trace
         values = np.column_stack(list(at_points.values()))
@@ -322,7 +322,7 @@ class StateFile:
 
 
 def _plain_part(memory: ContactMemory) -> dict[str, Any]:
-    """What is no array."""
+    """Return the parts of a contact's state that are no arrays."""
     fields = dataclasses.fields(memory)
     parts = {field.name: getattr(memory, field.name) for field in fields}
     return {name: part for name, part in parts.items() if isinstance(part, float | bool | tuple)}
@@ -334,7 +334,7 @@ def _paired_at(number: int) -> str:
 
 
 def _plain_unknowns(unknowns: Unknowns) -> dict[str, Any]:
-    """What stands at no node."""
+    """Return the unknowns that belong to no node."""
     return {"time": unknowns.time, "scalars": unknowns.scalars.tolist()}
 
 

@@ -43,12 +43,12 @@ class BodyOfStudy:
         return self._before + (0 if self.kept is None else self.kept.factorisations)
 
     def differences(self, scene: Scene, other: Scene) -> list[str]:
-        """What of the body of a scene another one has not, by its names."""
+        """Return the names of the parts by which the bodies of two scenes differ."""
         found = list(BodyDescription.of(scene).differences(BodyDescription.of(other)))
         return found if self._same_mesh(mesh_key(scene), other) else ["mesh", *found]
 
     def of(self, scene: Scene, timings: Timings) -> KeptBody:
-        """That of a scene, made anew if the last one was another; collective.
+        """Return the body of a scene, built again if the last one was another; collective.
 
         Args:
             scene: The scene.
@@ -81,5 +81,5 @@ class BodyOfStudy:
 
 
 def mesh_key(scene: Scene) -> Sequence[object]:
-    """What the mesh of a scene depends on: its files, and where preloads have bodies cut."""
+    """Return the part of a scene that its mesh depends on: files, and cuts for preloads."""
     return scene.mesh, [(p.on, p.axis, p.between) for p in scene.preload if p.between is not None]

@@ -1,4 +1,4 @@
-"""What a kept body tells of an answer by its contacts: without fields and error bars."""
+"""Answers of a kept body from its contacts alone, without fields and error bars."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ class _QuickSteps(StepListener):
 def _measured(
     history: StepHistory[CondensedForces], solution: Solution, start: Start, checks: bool
 ) -> Answer:
-    """Of the last load step, in whose state the problem still is; collective."""
+    """Return the answer of the last load step, in whose state the problem still is; collective."""
     problem, steps = history.forces.problem, history.steps
     found = history.checks() if checks else None
     return Answer(

@@ -85,7 +85,7 @@ def save_body(path: Path, condensed: CondensedBody, scene: str) -> None:
 
 
 class SavedBody:
-    """What a file has of a condensed body; collective.
+    """A condensed body in a file; collective.
 
     Attributes:
         scene: Text of the scene that it was saved of, empty where no file can have it.
@@ -178,7 +178,7 @@ class SavedBody:
         return self._nodal
 
     def _dense(self, comm: MPI.Comm) -> dict[str, Array]:
-        """What rank 0 had of the contact dofs, on rank 0; collective."""
+        """Return on rank 0 what it had saved of the contact dofs; collective."""
         parts: dict[str, list[Any]] = {}
         for block in self._saved.rows("contact"):
             for name, values in {"keys": block.keys, **block.columns}.items():

@@ -53,7 +53,7 @@ def tables(
 
 
 def _beside(nodal: Sequence[Array], own: Integers) -> Array:
-    """Values at nodes beside each other, (nodes, arrays × components)."""
+    """Return values at nodes as columns, (nodes, arrays × components)."""
     return np.concatenate([np.zeros((len(own), 0)), *(values[own] for values in nodal)], axis=1)
 
 

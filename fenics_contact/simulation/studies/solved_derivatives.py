@@ -48,7 +48,7 @@ class SolvedScene:
     one_sided: bool
 
     def derivatives(self, of: Sequence[str], by: Sequence[str] | None) -> Derivatives:
-        """Of its last load step, once: this goes back to the first one; collective."""
+        """Return the derivatives at the last load step; load steps are gone back; collective."""
         return derivatives(self.load_steps, self.system, self.steps, of, by)
 
 

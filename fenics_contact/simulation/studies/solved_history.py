@@ -121,7 +121,7 @@ def _changes(
 
 
 class _Errors:
-    """What is estimated to be wrong with each load step, as changes of what it is given.
+    """Estimated errors of each load step, as changes of its data.
 
     Args:
         problem: The model.
@@ -133,7 +133,7 @@ class _Errors:
         self._names: dict[str, list[str]] = {}
 
     def at(self, step: AcceptedStep) -> dict[str, Change]:
-        """By their names, in the state of a load step; collective."""
+        """Return the errors in the state of a load step, by source; collective."""
         found: dict[str, Change] = {}
         contacts = list(enumerate(self._problem.contacts))
         if any(contact.has_penalty for _, contact in contacts):
@@ -169,7 +169,7 @@ class _Errors:
             yield f"errors mesh {draw}", Change(load=forces, scalars=scalars)
 
     def along(self, found: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
-        """What each source changes, (draws, steps, quantities).
+        """Return the change of quantities by each source, (draws, steps, quantities).
 
         Args:
             found: Of each step, by the names of ``at``.
@@ -189,7 +189,7 @@ def _without_penalty(contact: ContactSurface) -> GivenChange:
 
 
 def _without_regularisation(contact: ContactSurface) -> GivenChange:
-    """Likewise an ε of 0."""
+    """Return the change of a contact's data when ε goes to 0."""
     of_unit = contact.friction.field_slopes("regularisation_parameter", 1.0)
     return GivenChange(
         along={name: -contact.regularisation_parameter * slope for name, slope in of_unit.items()}

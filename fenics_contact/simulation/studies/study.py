@@ -157,7 +157,7 @@ class Study:
         return found
 
     def other_parts(self, changes: Mapping[str, Any]) -> list[str]:
-        """What of the body other values change, so that it is made anew; mostly nothing.
+        """Return the parts of the body that other values change, so that it is built again.
 
         Args:
             changes: As of ``changed``.
@@ -404,7 +404,7 @@ class Study:
         return Run(scene, self.comm, kept=kept)
 
     def _body_of(self, scene: Scene) -> KeptBody:
-        """That of a scene; answers of another one tell nothing of it; collective."""
+        """Return the body of a scene; answers of another one are forgotten; collective."""
         before, found = self._body.kept, self._body.of(scene, Timings())
         if found is not before:
             self._quick = self.run = None

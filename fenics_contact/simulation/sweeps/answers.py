@@ -1,4 +1,4 @@
-"""What a process of a sweep does: it solves points, and keeps mesh and body between them."""
+"""Work of a process of a sweep: it solves points, and keeps mesh and body between them."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Answers:
         return done, done.packed(states)
 
     def _solve(self, scene: Scene, digest: str) -> tuple[Done, dict[str, Any]]:
-        """As a run of the scene does.
+        """Solve a point as a run of its scene does.
 
         Raises:
             InputError: The scene or its mesh cannot be used, or has no equilibrium.
@@ -153,7 +153,7 @@ def _done(digest: str, result: Result) -> tuple[Done, dict[str, Any]]:
 
 @contextmanager
 def _warnings() -> Iterator[list[str]]:
-    """What is said meanwhile that everyone is to read."""
+    """Collect the warnings that are logged meanwhile."""
     heard: list[str] = []
 
     class Listener(logging.Handler):

@@ -40,7 +40,7 @@ class Axis:
 
     @classmethod
     def of(cls, setting: str) -> Axis:
-        """That of ``KEY=VALUES``.
+        """Return the axis of ``KEY=VALUES``.
 
         Args:
             setting: After ``--vary``: values between commas, or ranges START:END:HOW_MANY.
@@ -104,13 +104,13 @@ class Grid:
         return math.prod(len(axis.values) for axis in self.axes)
 
     def settings(self) -> Iterator[tuple[str, ...]]:
-        """Of each point, what it sets."""
+        """Yield the settings of each point."""
         for texts in itertools.product(*(axis.texts for axis in self.axes)):
             pairs = zip(self.axes, texts, strict=True)
             yield tuple(f"{axis.key}={text}" for axis, text in pairs)
 
     def values(self) -> Iterator[tuple[Any, ...]]:
-        """Of each point, the values of the keys."""
+        """Yield the values of the keys at each point."""
         return itertools.product(*(axis.values for axis in self.axes))
 
     def snake(self) -> list[int]:

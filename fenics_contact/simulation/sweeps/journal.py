@@ -29,7 +29,7 @@ _TRIED_AGAIN = (MachineError.exit_code, StoppedError.exit_code)
 
 @dataclass(frozen=True)
 class Done:
-    """What became of a point.
+    """Outcome of a point.
 
     Attributes:
         digest: Of the point.
@@ -88,7 +88,7 @@ class Journal:
         return self._file.is_there
 
     def resume(self, known: Mapping[str, int]) -> dict[int, Done]:
-        """What an earlier sweep has done, by number; the file is kept, and goes on.
+        """Return the points that an earlier sweep solved, by number; its file is continued.
 
         Args:
             known: Digest → number of every point.

@@ -76,7 +76,7 @@ class Leader:
                     process.close()
 
     def _hear(self, number: int) -> None:
-        """What a process has found, or how much memory it needs, or that it has died."""
+        """Take what a process sends: a solved point, its need of memory, or that it has died."""
         try:
             said = self._processes[number].hear()
         except DiedError as error:
@@ -90,7 +90,7 @@ class Leader:
             self._give(number)
 
     def _start_others(self, memory: float) -> None:
-        """As many processes as there is room for.
+        """Start as many processes as there is memory for.
 
         Args:
             memory: That each needs (bytes).
@@ -127,7 +127,7 @@ class Leader:
             logger.debug("process %d has died", number)  # which is seen when it is asked
 
     def _keep(self, point: Point, content: bytes) -> None:
-        """What became of a point."""
+        """Keep the outcome of a point in the journal, and announce it."""
         done, _ = Done.unpacked(content)
         self._journal.add(done, content)
         self._announce(point.number, done)

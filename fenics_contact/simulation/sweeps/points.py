@@ -100,7 +100,7 @@ def groups_of(points: Sequence[Point], grid: Grid, left: set[int]) -> list[Group
 
 
 def _body_of(point: Point) -> tuple[str, str]:
-    """What a point's mesh and its body follow from."""
+    """Return texts that a point's mesh and its body follow from."""
     assert point.scene is not None
     if point.scene.accuracy is not None:
         return f"of point {point.number}", ""
@@ -130,7 +130,7 @@ class Contents:
         self._found: dict[str, str] = {}
 
     def of(self, scene: Scene) -> list[str]:
-        """Those of a scene's meshes; empty of one that cannot be read, as a run will say."""
+        """Return digests of a scene's mesh files; empty for one that cannot be read."""
         return [self._of_file(mesh.file) for mesh in scene.mesh]
 
     def _of_file(self, file: str) -> str:

@@ -86,7 +86,7 @@ class WorkerProcess:
             raise DiedError(self._death()) from None
 
     def hear(self) -> bytes | float:
-        """What it has found, packed for the journal; or before, the memory that it needs (bytes).
+        """Return its answer, packed for the journal; or before, the memory that it needs (bytes).
 
         Raises:
             DiedError: It has ended.

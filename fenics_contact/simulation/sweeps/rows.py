@@ -1,4 +1,4 @@
-"""What stands in a row of ``sweep.csv`` of an answer: numbers by the names they are asked for."""
+"""Rows of ``sweep.csv``: numbers of an answer by the names of quantities."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def row_of(answer: Result) -> Row:
 
 
 def row_of_quick(answer: Answer, names: Sequence[str]) -> Row:
-    """The same of a quick answer, which has no bars.
+    """Return the row of a quick answer, which has no error bars.
 
     Args:
         answer: That converged.
@@ -70,7 +70,7 @@ def row_of_quick(answer: Answer, names: Sequence[str]) -> Row:
 
 
 def row_of_step(step: StepRecord) -> Row:
-    """The same of a load step, which has no bars.
+    """Return the row of a load step, which has no error bars.
 
     Args:
         step: That was accepted.
@@ -120,7 +120,7 @@ def _numbers(name: str, value: Any, error: Mapping[str, float | None] | None) ->
 
 
 def _finite(value: float | None) -> float | None:
-    """As in ``result.json``, where what is not a number is null."""
+    """Return a number as in ``result.json``, where null stands for what is not finite."""
     return None if value is None or not math.isfinite(value) else float(value)
 
 
@@ -156,7 +156,7 @@ def _named(row: Row) -> Iterator[str]:
 
 
 def states_of(points: ContactPoints | None) -> dict[str, Any]:
-    """What ``states.npz`` holds of the contact points of an answer, all but its row.
+    """Return the arrays of an answer's contact points in ``states.npz``.
 
     Args:
         points: Of the answer.

@@ -1,4 +1,4 @@
-"""Which process solves which points of a sweep, and when."""
+"""Distribution of the points of a sweep over its processes."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Shares:
         return share.points.popleft()
 
     def give_back(self, process: int) -> None:
-        """What a process was to solve waits again, as it has died."""
+        """Let the points of a process that has died wait again."""
         share = self._taken.pop(process, None)
         if share is not None and share.points:
             self._waiting.insert(0, share)

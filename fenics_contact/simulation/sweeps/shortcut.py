@@ -18,7 +18,7 @@ _AT_THE_END = 0.5
 
 
 class Shortcut:
-    """What the last whole run says of the points after it."""
+    """Judges by the last whole run whether quick answers suffice for points after it."""
 
     def __init__(self) -> None:
         self._settings: SolverSettings | None = None

@@ -154,7 +154,7 @@ class Sweep:
 
 
 def _united(units: Sequence[Any]) -> dict[str, Any] | None:
-    """Those of all answers, of which some may have quantities that others have not."""
+    """Return the units of all answers, some of which may lack quantities of others."""
     if not units:
         return None
     quantities = {name: unit for one in units for name, unit in one["quantities"].items()}

@@ -1,4 +1,4 @@
-"""What comes out of cycles that wear: of each that was computed, its last load step."""
+"""Results of cycles that wear: the last load step of each computed cycle."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ class CyclesOfRun:
 
 
 def _auxiliary(progress: Progress) -> AuxiliaryState:
-    """What is to be kept of how far cycles are."""
+    """Return the progress of cycles as state to be saved."""
     earlier, rates = progress.earlier, progress.rates
     said: dict[str, Any] = {name: getattr(progress, name) for name in _NUMBERS}
     return AuxiliaryState(

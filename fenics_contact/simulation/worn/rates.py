@@ -1,4 +1,4 @@
-"""What a cycle that was computed wears, and how far cycles are that pass over others."""
+"""Wear rates of computed cycles, and the progress of cycles that pass over others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """What a cycle wears.
+    """Wear of a cycle.
 
     Attributes:
         number: Of the cycle.

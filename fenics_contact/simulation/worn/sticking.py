@@ -1,4 +1,4 @@
-"""Which contact points never slip in a cycle: at its end alone, most of them stick."""
+"""Contact points that never slip in a cycle: at its end alone, most of them stick."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Sticking:
             slipped |= state.status == SLIP
 
     def areas(self) -> list[float]:
-        """Of each contact what touched and never slipped, whole points' parts; collective."""
+        """Return the area of each contact that touched and never slipped; collective (area)."""
         return [
             float(contact.trace.integral((touched & ~slipped).astype(np.float64)))
             for contact, touched, slipped in zip(

@@ -1,4 +1,4 @@
-"""What is said of cycles of loads that wear: which they are, and what came out of each."""
+"""Cycles of loads that wear: their begin and number, and the result of each."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class WearCycle:
 
     @property
     def worn_volume(self) -> float:
-        """Of all contacts (volume)."""
+        """Worn volume of all contacts (volume)."""
         return float(sum(found.get(WORN_VOLUME, 0.0) for found in self.contacts))
 
     @property
@@ -89,7 +89,7 @@ def one_cycle(scene: Scene, begin: float | None, cycles: int | None) -> tuple[Sc
 
 
 def _require_cycle(scene: Scene, begin: float) -> None:
-    """That the load steps end with a cycle at whose end loads are as at its begin.
+    """Refuse load steps that do not end with a cycle at whose end loads are as at its begin.
 
     Raises:
         InputError: They do not, or nothing wears.

@@ -137,7 +137,7 @@ class WearCycles(StepListener):
         return self._rates_of(1, solution)
 
     def _rates(self, number: int, end: AcceptedStep, begin: list[Array]) -> Rates:
-        """Of a cycle that begins at some depths.
+        """Return the wear of a cycle that begins at given depths.
 
         Args:
             number: Of the cycle.
@@ -151,7 +151,7 @@ class WearCycles(StepListener):
         return self._rates_of(number, solution, begin)
 
     def _rates_of(self, number: int, solution: Solution, begin: list[Array] | None = None) -> Rates:
-        """What a cycle that was just solved wears.
+        """Return the wear of the cycle that was just solved.
 
         Args:
             number: Of the cycle.

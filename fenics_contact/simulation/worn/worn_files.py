@@ -109,7 +109,7 @@ def _row(cycle: WearCycle) -> dict[str, Any]:
 
 
 def _of_contacts(cycle: WearCycle) -> Mapping[str, Any]:
-    """Of the only contact by their names, of several by the contact's number as well."""
+    """Return the quantities of contacts by name, of several with the contact's number."""
     row: dict[str, Any] = {}
     several = len(cycle.contacts) > 1
     of_all = zip(cycle.contacts, cycle.stick_areas, cycle.losses, strict=True)
