@@ -1,7 +1,5 @@
 """``python -m fenics_contact``: the same as the command ``fenics-contact``."""
 
-import sys
+from fenics_contact.cli.process import run_as_process
 
-from fenics_contact.cli.program import main
-
-sys.exit(main())
+run_as_process()
