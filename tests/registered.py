@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from fenics_contact.analytic import obstacle_shapes
+from fenics_contact.contact.laws import normal
 from fenics_contact.contact.laws.friction import rules
 from fenics_contact.evaluate import contact_quantities
 from fenics_contact.problem import loads
@@ -17,6 +18,7 @@ def registered() -> dict[Callable[[Any], None], list[Any]]:
         loads.unregister: list(loads.LAWS),
         obstacle_shapes.unregister: list(obstacle_shapes.names()),
         contact_quantities.unregister: list(contact_quantities._REGISTERED),
+        normal.unregister: list(normal._REGISTERED),
         rules.unregister: list(rules._REGISTERED),
         gradients.unregister: list(gradients._OF_CONTACTS),
     }

@@ -20,6 +20,22 @@ def defined_in_same_class(law: object, *names: str) -> bool:
     return len({next((c for c in classes if name in vars(c)), None) for name in names}) == 1
 
 
+def name_in_table(key: str, table: str) -> str:
+    """Name of the number under a key of a law's own table; empty for other keys of the contact.
+
+    Args:
+        key: Of a number of the contact.
+        table: The law's, ``normal_law`` or ``friction_law``.
+
+    >>> name_in_table("friction_law.parameters.p0", "friction_law")
+    'p0'
+    >>> name_in_table("normal_law.exponent", "normal_law"), name_in_table("p0", "normal_law")
+    ('exponent', '')
+    """
+    of, _, name = key.partition(".")
+    return name.removeprefix("parameters.") if of == table else ""
+
+
 class ContactLaw:
     """A law of a contact: its names, and the arrays that it keeps from load step to load step.
 

@@ -16,6 +16,7 @@ from fenics_contact.contact.laws.normal.prescribed import Prescribed
 from fenics_contact.contact.laws.normal.unilateral import Unilateral
 from fenics_contact.contact.laws.normal.untouched import Untouched
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.laws.normal_laws import NORMAL_LAWS, NormalLawTable
 
 LAWS: tuple[type[NormalLaw], ...] = (
     Prescribed,
@@ -25,6 +26,26 @@ LAWS: tuple[type[NormalLaw], ...] = (
     NormalCompliance,
     FormulaLaw,
 )
+_REGISTERED: dict[type[NormalLaw], type[NormalLawTable]] = {}
+
+
+def register(law: type[NormalLaw], table: type[NormalLawTable]) -> None:
+    """Add a law across a contact, and its table of a scene.
+
+    Args:
+        law: The law.
+        table: A scene class, whose ``kind`` is that of the law: its keys are the law's numbers.
+
+    Raises:
+        ValueError: There is a law of this kind with a table.
+    """
+    NORMAL_LAWS.register(table)
+    _REGISTERED[law] = table
+
+
+def unregister(law: type[NormalLaw]) -> None:
+    """Take out a law that was registered."""
+    NORMAL_LAWS.unregister(_REGISTERED.pop(law))
 
 
 def law_of(contact: Contact) -> type[NormalLaw]:
@@ -33,7 +54,7 @@ def law_of(contact: Contact) -> type[NormalLaw]:
     Raises:
         InputError: It is one of a user's that is not allowed, or not there.
     """
-    known = next((law for law in LAWS if law.kind == contact.kind), None)
+    known = next((law for law in (*LAWS, *_REGISTERED) if law.kind == contact.kind), None)
     return known or own_law(
         contact.kind, UserContactEnergy, f"contact '{contact.label}': normal_law.kind"
     )

@@ -17,13 +17,11 @@ from fenics_contact.contact.laws.normal.law import Parameter
 from fenics_contact.contact.laws.normal.own_energy import (
     given_parameters,
     parameters_at_points,
-    slopes_of_parameters,
 )
 from fenics_contact.contact.laws.normal.spring import SpringLaw, depth_of
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws import normal_laws
-from fenics_contact.scene.values import Value
 
 # Of ∫₀¹ f(s) ds with s = t⁴, so that roots and powers at s = 0 are as good as polynomials.
 _ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(40)
@@ -54,10 +52,6 @@ class FormulaLaw(SpringLaw):
     def fields(self) -> Mapping[str, Array]:
         """The parameters, the same at all points."""
         return parameters_at_points(self.site)
-
-    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of a parameter in itself."""
-        return slopes_of_parameters(key, self._fields)
 
     def pressure_ufl(self, jump: Expr) -> Expr:
         """The formula at the depth of a jump (stress)."""

@@ -14,7 +14,6 @@ from fenics_contact.contact.laws.normal.law import Parameter
 from fenics_contact.contact.laws.normal.spring import positive
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws import normal_laws
-from fenics_contact.scene.values import Value
 
 
 class NormalCompliance(EnergyLaw):
@@ -39,11 +38,6 @@ class NormalCompliance(EnergyLaw):
         given = _table(self.site.contact)
         coefficient = self.site.given(given.coefficient, "normal_law.coefficient")
         return {"coefficient": coefficient, "exponent": np.full(len(coefficient), given.exponent)}
-
-    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of both in what the scene gives."""
-        name = key.removeprefix("normal_law.")
-        return {name: self.site.given(unit, key)} if name != key and name in self._fields else {}
 
     @property
     def power_of_depth(self) -> tuple[Array, Array]:

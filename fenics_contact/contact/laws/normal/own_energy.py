@@ -12,7 +12,6 @@ from fenics_contact.contact.laws.normal.energy_law import EnergyLaw
 from fenics_contact.contact.laws.normal.law import Parameter
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.values import Value
 
 
 class _HasParameters(Protocol):
@@ -56,18 +55,6 @@ class UserContactEnergy(EnergyLaw):
         """The parameters, the same at all points."""
         return parameters_at_points(self.site)
 
-    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of a parameter in itself.
-
-        Args:
-            key: Of a number of the contact.
-            unit: Derivative of what the scene gives under it.
-
-        Returns:
-            Name of the parameter → (points,); nothing for other keys.
-        """
-        return slopes_of_parameters(key, self._fields)
-
 
 def given_parameters(contact: Contact) -> Mapping[str, float]:
     """Those of the scene's table of a law across a contact, by name.
@@ -86,14 +73,3 @@ def parameters_at_points(site: LawSite) -> dict[str, Array]:
     """
     count = len(site.trace.weights)
     return {name: np.full(count, value) for name, value in given_parameters(site.contact).items()}
-
-
-def slopes_of_parameters(key: str, fields: Mapping[str, Array]) -> dict[str, Array]:
-    """Of a parameter in itself, at the points, by name; nothing for other keys.
-
-    Args:
-        key: Of a number of the contact.
-        fields: All parameters at the points.
-    """
-    name = key.removeprefix("normal_law.parameters.")
-    return {name: np.ones_like(fields[name])} if name in fields else {}

@@ -17,9 +17,11 @@ import ufl
 
 from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.contact.laws.law import name_in_table
 from fenics_contact.contact.laws.normal.law import NormalGradient, NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity
 from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.scene.values import Value
 
 
 def depth_of(jump: Expr, normal: Expr, gap: Expr) -> Expr:
@@ -152,6 +154,11 @@ class SpringLaw(NormalLaw):
     @abstractmethod
     def fields(self) -> Mapping[str, Array]:
         """Parameters of the density at the points, by name, each (points,)."""
+
+    def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
+        """Slopes of the parameters that are named as keys of the scene's ``normal_law``."""
+        name = name_in_table(key, "normal_law")
+        return {name: self.site.given(unit, key)} if name in self._fields else {}
 
     @property
     def forms(self) -> tuple[CompiledForm, ...]:

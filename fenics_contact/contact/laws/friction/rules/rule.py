@@ -20,7 +20,7 @@ from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.earlier_names import keep_earlier_names
 from fenics_contact.contact.laws.friction.rules.metric import SlipMetric
-from fenics_contact.contact.laws.law import defined_in_same_class
+from fenics_contact.contact.laws.law import defined_in_same_class, name_in_table
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
@@ -151,7 +151,7 @@ class FrictionRule:
         """
         if key == "friction_coefficient":
             return {"coefficient": self.site.given(unit, key)}
-        name = key.removeprefix("friction_law.").removeprefix("parameters.")
+        name = name_in_table(key, "friction_law")
         return {name: np.ones_like(self.coefficient)} if name in self.constants else {}
 
     def at_step_end(self, slip: Array, closed: Flags) -> dict[str, Array]:
