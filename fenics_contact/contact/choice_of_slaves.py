@@ -168,7 +168,7 @@ class NamedSurfaces:
 
 
 def choose_slaves(contacts: Sequence[NamedSurfaces]) -> list[tuple[bool, str]]:
-    """Of every contact whether ``on`` is its slave, and why; collective.
+    """Decide for every contact whether ``on`` is its slave, and say why; collective.
 
     Surfaces in the fewest contacts become slaves first, which leaves the others to be masters: so
     none is the slave of two contacts, if that is possible. Where masters would then follow each
@@ -213,7 +213,7 @@ def choose_slaves(contacts: Sequence[NamedSurfaces]) -> list[tuple[bool, str]]:
 
 
 def _meetings(contacts: Sequence[NamedSurfaces], are_faced: bool = False) -> Meetings:
-    """Which surfaces share nodes; collective.
+    """Find which surfaces share nodes; collective.
 
     Args:
         contacts: The contacts.
@@ -232,7 +232,7 @@ def _meetings(contacts: Sequence[NamedSurfaces], are_faced: bool = False) -> Mee
 def _sharing(
     contacts: Sequence[NamedSurfaces],
 ) -> dict[tuple[int, bool], list[tuple[int, bool]]]:
-    """Of every surface those of other contacts that have facets of it.
+    """Find, for every surface, those of other contacts that have facets of it.
 
     A surface is the number of its contact, and whether it is ``on``.
     """

@@ -237,7 +237,7 @@ class ContactSurface:
         return self.kinematics.relative_sliding(self.pressure() > 0)
 
     def update_pairing(self, displacement: Array | None) -> None:
-        """Find anew which points of two bodies face each other; collective.
+        """Repeat the contact search between two bodies; collective.
 
         Args:
             displacement: Of a load step, at the body's nodes of this rank; None as meshed
@@ -248,7 +248,7 @@ class ContactSurface:
         slip = self.kinematics.tangential(self.kinematics.jump_at_points())
         self.friction.accept(slip)
         self.last_step.count_from(slip)
-        left = self.last_step.measured_anew(self.state().gap)
+        left = self.last_step.open_after_pairing(self.state().gap)
         self.last_step.leave_open(float(self.trace.integral(left)))
 
     def accept(self) -> None:
@@ -267,7 +267,7 @@ class ContactSurface:
 
     @property
     def on_body(self) -> Flags:
-        """Which of the body's nodes are points of it; collective."""
+        """Flags of the body's nodes that are points of the contact, (nodes,); collective."""
         ones = self.trace.at_all_nodes(np.ones(len(self.nodes)))
         return self.trace.surface.on_body(ones) > 0
 
@@ -288,7 +288,7 @@ class ContactSurface:
 
     @property
     def has_penalty(self) -> bool:
-        """Whether ε₁ stands for no give at all; a foundation's stiffness is what it is."""
+        """Whether ε₁ is a numerical penalty, and not a physical compliance."""
         return self.normal.has_penalty
 
     @property
@@ -311,7 +311,7 @@ class ContactSurface:
         self.friction_term.linearise_at(slip)
 
     def state(self) -> ContactState:
-        """What happens at the points at the present jump."""
+        """The state of the points at the present jump: pressure, friction, slip, status."""
         jump = self.kinematics.jump_at_points()
         slip = self.kinematics.tangential(jump)
         pressure = self.normal.pressure(jump)
@@ -328,14 +328,14 @@ class ContactSurface:
         return replace(state, own=self._own(state)) if self.own_arrays else state
 
     def _own(self, state: ContactState) -> dict[str, Array]:
-        """What its laws keep of their own, at the end of the present step, by name."""
+        """The laws' own arrays at the end of the present step, by name."""
         every: dict[str, Array] = {}
         for law in self.laws:
             every |= law.kept() | law.at_step_end(state) | law.shown(state)
         return {array.name: every[array.name] for array in self.own_arrays}
 
     def _at_rest(self) -> ContactState:
-        """Of the body as it is meshed, without any load: what touches sticks, if it is rough."""
+        """The state of the points as meshed, without loads: with friction, what touches sticks."""
         nothing, vectors = np.zeros(len(self.trace.weights)), np.zeros_like(self.trace.normals)
         touches, coefficient = self.normal.touches_at_rest(), self.friction.largest_coefficient
         status = self.friction.status(touches, vectors, coefficient)

@@ -69,7 +69,7 @@ class ContactWork:
         return float(self._trace.integral(stored))
 
     def left_open(self, state: ContactState) -> float:
-        """What the present step leaves open, where points touched or slipped anew (energy).
+        """Work that the present step leaves open where points began to touch or to slip (energy).
 
         Args:
             state: As of ``in_step``.

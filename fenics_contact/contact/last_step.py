@@ -60,7 +60,7 @@ class LastStep:
         return np.asarray(0.0 - np.einsum("ij,ij->i", mean, slip))
 
     def mean_pressure(self, state: ContactState) -> Array:
-        """Of a step, (points,) (stress): of both ends where ``dissipation`` takes both.
+        """Pressure of a step, (points,) (stress): the mean where ``dissipation`` takes both ends.
 
         Args:
             state: At its end.
@@ -114,7 +114,7 @@ class LastStep:
         self.dissipated_before = (*self.dissipated_before, self.dissipated)
 
     def count_from(self, slip: Array) -> None:
-        """What faces what was found anew: the slip of the last step, in the new measure.
+        """Take the slip of the last step as measured after the contact search was repeated.
 
         Else a point that faced nothing would have slipped by all that its body has moved.
 
@@ -123,8 +123,8 @@ class LastStep:
         """
         self.state = replace(self.state, slip=slip)
 
-    def measured_anew(self, gap: Array) -> Array:
-        """Work that is open when it was found anew, after a step, what faces what (energy/area).
+    def open_after_pairing(self, gap: Array) -> Array:
+        """Work that a repeated contact search leaves open after a step, (points,) (energy/area).
 
         Args:
             gap: Of the body as the step left it, in the new measure (length).

@@ -50,7 +50,7 @@ class AnswerGradient:
 
     @classmethod
     def none(cls, contact: ContactSurface) -> Self:
-        """That of a quantity that has nothing to do with the contact."""
+        """The gradient of a quantity that has nothing to do with the contact."""
         scalars = [np.zeros(len(contact.trace.weights)) for _ in range(3)]
         vectors = [np.zeros_like(contact.trace.normals) for _ in range(3)]
         pressure, depth, energy = scalars

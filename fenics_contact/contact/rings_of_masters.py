@@ -34,7 +34,7 @@ class Meetings:
 
 
 def without_rings(choice: Sequence[bool], free: Sequence[int], meet: Meetings) -> list[bool]:
-    """Of every contact whether ``on`` is its slave, changed where that avoids a ring of masters.
+    """Choices of slaves, changed where that avoids a ring of masters.
 
     Where something is changed, slaves that are shared and carried are avoided as well.
 

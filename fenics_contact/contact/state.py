@@ -12,7 +12,7 @@ OPEN, STICK, SLIP = "OPEN", "STICK", "SLIP"
 
 @dataclass(frozen=True, eq=False)
 class ContactState:
-    """What happens at the contact points of this rank, one row a point.
+    """State of the contact points of this rank, one row a point.
 
     Attributes:
         gap: Along the normal, > 0 open, infinite where no obstacle stands (length).

@@ -140,7 +140,7 @@ class BodyKinematics(ContactKinematics):
         return self.pairing.jump(displacement)
 
     def relative_or_own(self, displacement: Array) -> Array:
-        """As ``relative``, but the slave's own displacement where it faces nothing; collective."""
+        """``relative``, or the slave's own displacement where it faces nothing; collective."""
         own = displacement[self.trace.all_nodes]
         return np.where(self.pairing.faced[:, None], self.relative(displacement), own)
 

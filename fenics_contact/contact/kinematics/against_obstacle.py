@@ -293,7 +293,7 @@ class ObstacleKinematics(ContactKinematics):
         return self.trace.surface.on_body(force)
 
     def reaches(self, flags: Flags) -> Flags:
-        """The same nodes by the body's numbers; collective."""
+        """The body's nodes that forces on some nodes of the surface reach; collective."""
         return self.trace.surface.on_body(flags.astype(np.float64)) > 0
 
     def touch(self) -> None:

@@ -77,7 +77,7 @@ class ContactKinematics(ABC):
         """
 
     def relative_or_own(self, displacement: Array) -> Array:
-        """As ``relative``, but the surface's own displacement where it faces nothing; collective.
+        """``relative``, or the surface's own displacement where it faces nothing; collective.
 
         Args:
             displacement: At the body's nodes of this rank, (nodes, components) (length).
@@ -159,7 +159,7 @@ class ContactKinematics(ABC):
         """
 
     def overlap_by(self, interference: float, worn: Array) -> None:
-        """Narrow the gap along the normals, beside what the meshes do, and widen it by wear.
+        """Narrow the gap of the meshes by an interference along the normals, and widen it by wear.
 
         Args:
             interference: The overlap, < 0 a gap (length).
@@ -238,7 +238,7 @@ class ContactKinematics(ABC):
 
     @property
     def reached(self) -> Flags:
-        """Which of the points have something before them."""
+        """Flags of points that have something opposite, (points,)."""
         return np.isfinite(self.gap)
 
     @property

@@ -84,7 +84,7 @@ class RigidObstacle:
         return float(self._radius or 0.0) if name == "radius" else float(self._apex[axis])
 
     def with_number(self, name: str, axis: int, value: complex) -> RigidObstacle:
-        """The same with another one, which may be complex: for derivatives of the gap.
+        """The obstacle with another number, which may be complex: for derivatives of the gap.
 
         Args:
             name: ``radius``, ``position``, or one of ``DIRECTIONS``.

@@ -74,7 +74,7 @@ class ContactLaw:
 
     @property
     def called(self) -> str:
-        """What messages call it."""
+        """Name of the law in messages."""
         return f"law '{self.kind}'"
 
     @property

@@ -47,7 +47,7 @@ _OPERATORS: dict[type, Callable[..., Array]] = {
 
 @lru_cache
 def point_density(density: Callable[..., Expr], **sizes: int) -> PointDensity:
-    """That of a law, derived once for all runs.
+    """The point density of a law, derived once for all runs.
 
     Args:
         density: As of ``PointDensity``.
@@ -172,7 +172,7 @@ class _Program:
         self._work_out: Callable[..., None] = self._known["work_out"]
 
     def _name(self, expression: Expr) -> str:
-        """What the numbers of an expression are called; adds the lines that lead to them."""
+        """Name of an expression in the program; adds the lines that work it out."""
         if isinstance(expression, classes.Variable):
             return self._name(expression.ufl_operands[0])
         if expression not in self._names:

@@ -43,7 +43,7 @@ class Unworn(ContactLaw):
         return np.zeros(len(self.site.trace.weights))
 
     def quantities(self, state: ContactState) -> dict[str, float]:
-        """Of what is worn at the end of the present step; collective.
+        """Worn volume and depth at the end of the present step, by name; collective.
 
         Args:
             state: Then.
@@ -80,7 +80,7 @@ class Archard(Unworn):
         return self.worn_depth
 
     def at_step_end(self, state: ContactState) -> dict[str, Array]:
-        """What is worn so far, with that of the step.
+        """Depth worn so far, with that of the step, by name.
 
         Args:
             state: At its end.
@@ -111,7 +111,7 @@ class Archard(Unworn):
 
 
 def wear_of(site: LawSite, friction: FrictionLaw, last_step: LastStep) -> Unworn:
-    """What the scene says of a contact's wear.
+    """The wear of a contact that the scene asks for; ``Unworn`` without.
 
     Args:
         site: Of the contact.

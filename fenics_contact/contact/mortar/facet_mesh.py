@@ -48,7 +48,7 @@ class FacetMesh:
 
     @property
     def dimension(self) -> int:
-        """Of space."""
+        """Dimension of space."""
         return int(self.geometry.shape[2])
 
     @property
@@ -63,12 +63,12 @@ class FacetMesh:
 
     @cached_property
     def radii(self) -> Array:
-        """Of spheres about the midpoints that hold the facets, (facets,) (length)."""
+        """Radii of spheres about the midpoints that hold the facets, (facets,) (length)."""
         distances = np.linalg.norm(self.geometry - self.centres[:, None], axis=2)
         return distances.max(axis=1, initial=0) * _MARGIN[self.order]
 
     def shape_functions(self, reference: Array) -> Array:
-        """Those of the space at reference points, (points, nodes of a facet)."""
+        """Shape functions at reference points, (points, nodes of a facet)."""
         return np.asarray(_tabulate(self.shape, self.degree, reference, 0)[0])
 
     def shape_gradients(self, reference: Array) -> Array:

@@ -91,7 +91,7 @@ def _summed(
 
 
 def _quadrature_degree(slave: FacetMesh, master: FacetMesh) -> int:
-    """That products of shape functions need on flat facets that are not distorted."""
+    """Degree that products of shape functions need on flat facets that are not distorted."""
     degree = slave.degree + max(slave.degree, master.degree)
     if slave.dimension == 2:
         return degree + 2  # the radius of rings is of the geometry's order

@@ -140,7 +140,7 @@ class Pairing:
 
     @property
     def centre_normals(self) -> Array:
-        """The same at ``Trace.centres``."""
+        """Mean normals at ``Trace.centres``, (centres, components)."""
         return self._present.faced.centre_normals
 
     @property
@@ -154,7 +154,7 @@ class Pairing:
 
     @property
     def shares(self) -> Array:
-        """Of the slave's facets of this rank, how much faces the master."""
+        """Shares of the slave's facets of this rank that face the master, (facets,)."""
         return self._present.faced.integrals.coverage
 
     @property
@@ -215,7 +215,7 @@ class Pairing:
         return np.asarray(found)
 
     def on_master(self, force: Array) -> Array:
-        """What forces on the slave do to the master, −Pᵀ f, at the body's nodes; collective.
+        """Forces on the master by forces f on the slave, −Pᵀ f, at the body's nodes; collective.
 
         Args:
             force: At the slave's nodes of this rank, (nodes, components) (force).
@@ -224,11 +224,11 @@ class Pairing:
         return self.master.on_body(-self.projection.transposed(given))
 
     def master_nodes(self) -> Flags:
-        """Which of the body's nodes are the master's; collective."""
+        """Flags of the body's nodes that are the master's, (nodes,); collective."""
         return self._master.surface.on_body(np.ones(len(self._master.all_nodes))) > 0
 
     def faced_masters(self) -> Flags:
-        """Which of the body's nodes are the master's and move the slave at all; collective."""
+        """Flags of the master's nodes that move the slave, (the body's nodes,); collective."""
         moves = self._present.rows.coupled_masters()[self.master.numbers]
         return self.master.on_body(moves.astype(np.float64)) > 0
 

@@ -112,7 +112,7 @@ def _planes(slave: FacetMesh, mean_normals: Array) -> _Planes:
 
 
 def _common(planes: _Planes, master: FacetMesh, theirs: Pieces) -> _Triangles:
-    """What pieces of the slave and of the master have in common, seen along the mean normal."""
+    """Common parts of pieces of slave and master, seen along the mean normal."""
     ours = planes.pieces
     none = np.zeros(len(ours.facets))
     first, second = facing_pairs(ours, planes.normals, none, master, theirs)

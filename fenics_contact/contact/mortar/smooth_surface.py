@@ -67,7 +67,7 @@ class SmoothSurface:
         return found * self._facets.radii[facet]
 
     def at_nodes(self) -> Array:
-        """The same at all displacement nodes, the mean of their facets, (nodes,) (length)."""
+        """Offsets at all displacement nodes, the mean of their facets, (nodes,) (length)."""
         mesh = self._facets
         sums, counts = np.zeros(mesh.node_count), np.zeros(mesh.node_count)
         facet = np.repeat(np.arange(len(mesh.nodes)), mesh.nodes.shape[1])
@@ -123,7 +123,7 @@ class SmoothSurface:
         return np.asarray(found)
 
     def _degree(self, number: int) -> int:
-        """Of the polynomial of a facet, once made; it is made when first asked for."""
+        """Degree of the polynomial of a facet, which is made when it is first asked for."""
         if number not in self._fits:
             self._fits[number] = self._fit(number)
         dimension, count = self._facets.dimension - 1, len(self._fits[number])
@@ -235,7 +235,7 @@ class SmoothSurface:
 
 
 def _exponents(dimension: int, degree: int) -> list[tuple[int, ...]]:
-    """Of all monomials up to a degree."""
+    """Exponents of all monomials up to a degree."""
     return [
         tuple(chosen.count(axis) for axis in range(dimension))
         for total in range(degree + 1)

@@ -180,7 +180,7 @@ class Trace:
         return self._centres.fitted(values, self._whole_weights, within)
 
     def onto_nodes(self, values: Array) -> Array:
-        """What ``at_points`` is transposed: Σ N_i × vectors over the points, at all nodes.
+        """Transpose of ``at_points``: Σ N_i × vectors over the points, at all nodes.
 
         Collective.
 

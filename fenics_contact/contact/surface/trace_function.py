@@ -41,7 +41,7 @@ class TraceFunction:
 
     @cached_property
     def ufl(self) -> Expr:
-        """What stands in forms."""
+        """The function in UFL, for forms."""
         surface, centres = self._surface, self._centres
         self._nodal = Function(surface.space if self._is_vector else surface.scalar_space)
         found: Expr = self._nodal

@@ -34,7 +34,7 @@ def derivatives(
     of: Sequence[str],
     by: Sequence[str] | None,
 ) -> Derivatives:
-    """Of the last load step, in whose state a system is; collective.
+    """Derivatives of quantities of the last load step, in whose state a system is; collective.
 
     Args:
         load_steps: That were taken.
@@ -75,7 +75,7 @@ def require_adjoint(problem: Problem) -> None:
 
 
 def keys_of(problem: Problem, time: float, by: Sequence[str] | None) -> list[str]:
-    """Those that have a derivative; collective.
+    """Keys of the scene's numbers by which there are derivatives; collective.
 
     Args:
         problem: Of the scene.
@@ -133,7 +133,7 @@ def _go_back_to(load_steps: LoadSteps, step: AcceptedStep) -> None:
 
 
 def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
-    """What is a quantity of the step before: slips that steps count from, laws' arrays, lengths."""
+    """The gradient of a quantity in the state that the step before left; collective."""
     kept = zip(problem.body_scalars, gradient.multipliers.kept_scalars, strict=True)
     found = StateGradient.of_scalars(problem, kept)
     for number, (contact, after) in enumerate(

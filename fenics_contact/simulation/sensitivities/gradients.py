@@ -51,7 +51,7 @@ def unregister(name: str) -> None:
 
 
 def find(problem: Problem, text: str) -> QuantityName:
-    """What a name stands for, if that has derivatives.
+    """The quantity of a name, if it has derivatives.
 
     Args:
         problem: The model.

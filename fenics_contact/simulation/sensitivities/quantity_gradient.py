@@ -19,7 +19,7 @@ from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
 
 
 def adjoint_of(system: CondensedSystem) -> CondensedAdjoint:
-    """Of the true tangent of an answer, in whose state a system is; collective.
+    """The adjoint of the true tangent of an answer, in whose state a system is; collective.
 
     There friction's bound follows the pressure, and tractions turn with the slip as the law has it.
     """

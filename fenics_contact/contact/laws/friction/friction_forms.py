@@ -79,8 +79,8 @@ class FrictionForms:
         return ufl.TestFunction(self._trace.surface.space)
 
     @cached_property
-    def _felt(self) -> Callable[[Expr], Expr]:
-        """How friction feels slip."""
+    def _scaling(self) -> Callable[[Expr], Expr]:
+        """M, by which friction scales slip, in UFL."""
         return self._rule.metric.in_ufl(self._trace)
 
     @cached_property
@@ -94,12 +94,12 @@ class FrictionForms:
             self.epsilon,
             trace.weight,
             trace.measure,
-            self._felt,
+            self._scaling,
         )
 
     @cached_property
     def _modified(self) -> Form:
-        """What the primal-dual tangent is the derivative of."""
+        """The virtual work whose derivative is the primal-dual tangent."""
         trace = self._trace
         return primal_dual_residual(
             self._slipped,
@@ -111,7 +111,7 @@ class FrictionForms:
             self._state.length.ufl,
             trace.weight,
             trace.measure,
-            self._felt,
+            self._scaling,
         )
 
     @cached_property
@@ -135,7 +135,7 @@ class FrictionForms:
             self._state.direction.ufl,
             trace.weight,
             trace.measure,
-            self._felt,
+            self._scaling,
         )
         return form_cache.form(ufl.derivative(residual, self._jump))
 

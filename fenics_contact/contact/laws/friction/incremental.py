@@ -17,7 +17,7 @@ class Incremental(RegularisedFriction):
     follows_path: ClassVar[bool] = True
 
     def work(self, given: Array, before: Array, traction: Array, slip: Array) -> Array:
-        """As its path through the load steps tells it.
+        """Return the work that friction has done along the path through the load steps.
 
         Of slip that goes back, the work less what it stores: that is 0 unless the pressure changes,
         and springs with it. When the pressure falls, a part of what they stored is lost.

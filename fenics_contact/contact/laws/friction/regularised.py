@@ -139,7 +139,7 @@ class RegularisedFriction(FrictionLaw):
         return 0.0 - self._at_points.slope("slip", **self._values(slip))
 
     def _values(self, slip: Array) -> dict[str, Array | float]:
-        """Of the variables of ``_at_points`` at a slip since the start."""
+        """Values of the variables of ``_at_points`` at a slip since the start."""
         epsilon, fields = self.regularisation.parameter, self.rule.metric.fields
         effective = self.effective_slip(slip)
         return {"slip": effective, "bound": self.bound, "epsilon": epsilon, **fields}

@@ -19,5 +19,5 @@ class Stick(FrictionLaw):
     carries_shear: ClassVar[bool] = True
 
     def status(self, closed: Flags, slip: Array, bound: Array) -> Words:
-        """What is glued on sticks."""
+        """STICK where points are glued on, OPEN elsewhere."""
         return np.where(closed, STICK, OPEN)

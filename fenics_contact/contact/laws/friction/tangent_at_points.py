@@ -48,7 +48,7 @@ class PrimalDual:
         return self._density.curvatures("test", "jump", **self._values)
 
     def coupling(self, slope: Array) -> Array:
-        """What a bound that follows the jump adds, likewise.
+        """Tangent by a bound that follows the jump, (points, components, components).
 
         Args:
             slope: Its derivative in the jump, (points, components) (stress/length).

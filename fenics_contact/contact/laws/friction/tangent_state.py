@@ -39,7 +39,7 @@ class TangentState:
 
     @property
     def slip_and_direction(self) -> tuple[Array, Array]:
-        """Both, to take again; (points, components) each."""
+        """Slip and direction of the tangent, to be taken again; (points, components) each."""
         return self.slip, self._dual
 
     @property

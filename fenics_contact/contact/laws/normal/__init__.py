@@ -61,6 +61,6 @@ def law_of(contact: Contact) -> type[NormalLaw]:
 
 
 def acting_law(contact: Contact) -> type[NormalLaw]:
-    """The same, or ``Untouched`` where no force drives an obstacle that is to be pressed on."""
+    """The law of a contact; ``Untouched`` where an obstacle that is pressed on has no force."""
     law, obstacle = law_of(contact), contact.obstacle
     return Untouched if law.pushes_only and obstacle is not None and obstacle.force == 0 else law

@@ -74,7 +74,7 @@ class EnergyLaw(SpringLaw):
 
 
 class PenaltyLaw(EnergyLaw):
-    """A law whose springs stand for no give at all: their stiffness is 1/ε₁."""
+    """A law whose springs are a numerical penalty: their stiffness is 1/ε₁."""
 
     has_penalty: ClassVar[bool] = True
     checks: tuple[str, ...] = (*EnergyLaw.checks, "penetration", "penetration_depth")
@@ -93,7 +93,7 @@ class PenaltyLaw(EnergyLaw):
         return {"stiffness": np.full(len(self.site.trace.weights), 1 / self._penalty)}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of the stiffness in ε₁."""
+        """Slopes of the stiffness in ε₁."""
         if key != "penalty_parameter":
             return {}
         stiffness = self._fields["stiffness"]

@@ -46,7 +46,7 @@ class FormulaLaw(SpringLaw):
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:
-        """Those of the scene's table."""
+        """Parameters of the formula, from the scene's table."""
         return dict(given_parameters(contact))
 
     def fields(self) -> Mapping[str, Array]:

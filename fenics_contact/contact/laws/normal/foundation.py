@@ -34,7 +34,7 @@ class Foundation(EnergyLaw):
         return {"stiffness": self.site.given(given, "foundation_stiffness")}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of the stiffness in what the scene gives."""
+        """Slopes of the stiffness in that of the scene."""
         return {"stiffness": self.site.given(unit, key)} if key == "foundation_stiffness" else {}
 
     @property

@@ -76,7 +76,7 @@ class NormalLaw(ContactLaw, ContactForce):
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:
-        """What the scene gives, by its names, for results: numbers, profiles or functions."""
+        """Parameters that the scene gives, by its names, for results."""
         return {}
 
     @classmethod
@@ -115,11 +115,11 @@ class NormalLaw(ContactLaw, ContactForce):
 
     @property
     def loads_at_points(self) -> list[tuple[Array, Callable[[float], float]]]:
-        """The same as tractions on the body at the points, (points, components) (stress)."""
+        """Tractions that are given, at the points, with the share that acts at a pseudo-time."""
         return []
 
     def pressure_ufl(self, jump: Expr) -> Expr:
-        """What of the pressure follows the jump, in UFL, for friction that it bounds (stress)."""
+        """The part of the pressure that follows the jump, in UFL (stress)."""
         return ufl.as_ufl(0.0)
 
     def pressure_slope(self, jump: Array) -> Array:

@@ -41,7 +41,7 @@ class UserContactEnergy(EnergyLaw):
 
     @classmethod
     def parameters(cls, contact: Contact) -> dict[str, Parameter]:
-        """Those of the scene's table.
+        """Parameters in the scene's table.
 
         Args:
             contact: Of the scene.
@@ -57,7 +57,7 @@ class UserContactEnergy(EnergyLaw):
 
 
 def given_parameters(contact: Contact) -> Mapping[str, float]:
-    """Those of the scene's table of a law across a contact, by name.
+    """Parameters in the scene's table of a law across a contact, by name.
 
     Args:
         contact: Of the scene; its law has parameters.
@@ -66,7 +66,7 @@ def given_parameters(contact: Contact) -> Mapping[str, float]:
 
 
 def parameters_at_points(site: LawSite) -> dict[str, Array]:
-    """The same at all points of a contact, (points,) each.
+    """Parameters in the scene's table at all points of a contact, by name, (points,) each.
 
     Args:
         site: Where the law acts.

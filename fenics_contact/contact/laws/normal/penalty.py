@@ -1,4 +1,4 @@
-"""The penalty of a law across a contact, whose stiffness stands for no give at all."""
+"""The numerical penalty of a law across a contact: how soft it is at present."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ class Prescribed(NormalLaw):
 
     @property
     def is_load(self) -> bool:
-        """Unless the pressure is 0 everywhere."""
+        """Whether the pressure is > 0 anywhere."""
         return self._acts
 
     @property
@@ -59,7 +59,7 @@ class Prescribed(NormalLaw):
 
     @property
     def loads_at_points(self) -> list[tuple[Array, Callable[[float], float]]]:
-        """The same as tractions on the body at the points, (points, components) (stress)."""
+        """Tractions of the pressure at the points, with the share that acts at a pseudo-time."""
         if not self._acts:
             return []
         traction = -self._in_full[:, None] * self.site.trace.normals
@@ -74,7 +74,7 @@ class Prescribed(NormalLaw):
         return np.zeros(len(jump))
 
     def pressure(self, jump: Array) -> Array:
-        """What acts at present (stress)."""
+        """The pressure that acts at present, (points,) (stress)."""
         return self._present
 
     def touches_at_rest(self) -> Flags:

@@ -77,7 +77,7 @@ class _AtJump:
 
     @cached_property
     def mixed(self) -> Array | None:
-        """Those in depth and jump, (points, components) (stress/length); None where there are none.
+        """Second derivatives in depth and jump, (points, components) (stress/length), or None.
 
         As where pressure follows the depth alone.
         """
@@ -87,7 +87,7 @@ class _AtJump:
 
     @cached_property
     def pressure_slope(self) -> Array:
-        """Those of the pressure in the jump, (points, components) (stress/length)."""
+        """Derivative of the pressure in the jump, (points, components) (stress/length)."""
         if self.points.vanishes("jump"):
             return self.across[:, None] * self.normals
         return np.asarray(np.einsum("ij,ijk->ik", self.normals, self.tangent))
@@ -188,7 +188,7 @@ class SpringLaw(NormalLaw):
         """ψ as numbers at the points, with its derivatives."""
 
     def _values(self, jump: Array) -> dict[str, Array]:
-        """Of the density's variables; where nothing stands, none are deep."""
+        """Values of the density's variables; the depth is 0 where nothing stands opposite."""
         return self._at_depth(self.depth(jump)) | {"jump": jump}
 
     def _at_depth(self, depth: Array) -> dict[str, Array]:
@@ -200,7 +200,7 @@ class SpringLaw(NormalLaw):
         return self._at(jump).slopes
 
     def _at(self, jump: Array) -> _AtJump:
-        """What the density does at a jump; forces, pressures and tangents ask for it one by one."""
+        """The density's derivatives at a jump, kept as long as the jump is the same."""
         known, gap, softness = self._known, self.site.kinematics.gap, self.penalty.softness
         if known is None or not known.is_of(jump, gap, softness):
             normals = self.site.trace.normals
@@ -269,5 +269,5 @@ class SpringLaw(NormalLaw):
         return self.site.kinematics.reached & (deep > 0)
 
     def acts(self, pressure: Array) -> Flags:
-        """Those that press; all, where it pulls as well."""
+        """Points that press; all of them where the law pulls as well, (points,)."""
         return np.asarray((pressure > 0) | (not self.pushes_only))

@@ -48,7 +48,7 @@ class Compliance(FrictionRule):
         return {"own_exponent": self._table.exponent}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of its own numbers, and of those of the law across the contact."""
+        """Slopes of its own numbers, and of those of the law across the contact."""
         own = {"friction_law.coefficient": "coefficient", "friction_law.exponent": "own_exponent"}
         if key in own:
             return {own[key]: self.site.given(unit, key)}
@@ -67,7 +67,7 @@ class Compliance(FrictionRule):
 
     @property
     def largest_coefficient(self) -> Array:
-        """Of depths between a millionth of the surface's size and the size."""
+        """Largest ratio at depths between a millionth of the surface's size and the size."""
         stiffness, exponent = self.normal.power_of_depth
         depths = _DEPTHS[:, None] * self.site.trace.extent()
         powers = depths ** (self._table.exponent - exponent)

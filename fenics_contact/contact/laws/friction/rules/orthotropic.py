@@ -86,7 +86,7 @@ class Orthotropic(FrictionRule):
         return axes
 
     def _along_surface(self, vector: Array) -> Array:
-        """What of the direction of a vector is along the surface at the points."""
+        """The part along the surface of a vector's direction, (points, components)."""
         unit = np.broadcast_to(vector / np.linalg.norm(vector), self._shape)
         return self.site.kinematics.tangential(unit)
 
@@ -96,14 +96,14 @@ class Orthotropic(FrictionRule):
         return {"along": self._along, "across": self._across}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Of both, and of the axis along the surface, in what the scene gives."""
+        """Slopes of both coefficients, and of the axis along the surface."""
         name, *axis = key.removeprefix("friction_law.").split(".")
         if name == "direction":
             return {"axis": self._axis_slopes(int(axis[0]))}
         return {name: self.site.given(unit, key)} if name in self.fields else {}
 
     def _axis_slopes(self, axis: int) -> Array:
-        """Of unit vectors along the surface in a component of the direction, by a complex step."""
+        """Slopes of the unit vectors in a component of the direction, by a complex step."""
         given = np.array(self._table.direction, dtype=complex)
 
         def unit_vectors(value: complex) -> Array:
@@ -130,7 +130,7 @@ class Orthotropic(FrictionRule):
 
     @property
     def _shape(self) -> tuple[int, int]:
-        """Of vectors at the points."""
+        """Shape of vectors at the points."""
         points, components = self.site.trace.normals.shape
         return points, components
 

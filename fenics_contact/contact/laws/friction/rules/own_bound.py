@@ -51,7 +51,7 @@ class UserFriction(FrictionRule):
 
     @cached_property
     def largest_coefficient(self) -> Array:
-        """Of pressures from 1e-9 to 1e9."""
+        """Largest ratio of the bound to pressures from 1e-9 to 1e9, (points,)."""
         count = len(self.coefficient)
         ratios = [self.at(np.full(count, pressure)) / pressure for pressure in _PRESSURES]
         return np.asarray(np.nanmax(ratios, axis=0))

@@ -22,7 +22,7 @@ def named(places: Sequence[float], values: Sequence[float]) -> dict[str, float]:
 
 
 def names_of(key: str, places: str, ones: Array) -> dict[str, Array]:
-    """What the key of a number in the table changes at the points; nothing for other keys.
+    """Slopes at the points in the number of the table under a key; nothing for other keys.
 
     Args:
         key: Of the contact, such as ``friction_law.shares.1``.
