@@ -64,10 +64,10 @@ if TYPE_CHECKING:
     from fenics_contact.scene.steps import SolverSettings, Steps
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
-    from fenics_contact.simulation.adaptive.levels import run, run_with_fields
     from fenics_contact.simulation.fits.fit import Fit, fit
     from fenics_contact.simulation.fits.measured import Measured
     from fenics_contact.simulation.fits.objective import Objective
+    from fenics_contact.simulation.runs import run, run_with_fields
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
     from fenics_contact.simulation.worn.wear_cycle import WearCycle
@@ -149,7 +149,7 @@ __all__ = [
 
 # Where each of them is; a test compares this with the imports above.
 _MODULES = {
-    "simulation.adaptive.levels": ("run", "run_with_fields"),
+    "simulation.runs": ("run", "run_with_fields"),
     "cli.program": ("main", "run_script"),
     "common.errors": (
         "FenicsContactError",

@@ -16,7 +16,7 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.records.model import Model
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.adaptive.levels import run
+from fenics_contact.simulation.runs import run
 
 
 @dataclass(frozen=True)

@@ -16,18 +16,15 @@ from functools import partial
 from typing import TypeVar
 
 import numpy as np
-from mpi4py import MPI
 
 from fenics_contact.common.errors import FenicsContactError, StoppedError
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import from_root
-from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.quantities.names import STRAIN_ENERGY
 from fenics_contact.results.accuracy_messages import (
     energy_line,
     level_line,
     not_reached,
-    plan,
     reached,
     source_advice,
 )
@@ -36,8 +33,7 @@ from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
 from fenics_contact.scene.asked.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
-from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.adaptive.fine_enough import finer_there, first_run
+from fenics_contact.simulation.adaptive.fine_enough import finer_there
 from fenics_contact.simulation.adaptive.goals import GoalFinder
 from fenics_contact.simulation.adaptive.next_mesh import hindrance
 from fenics_contact.simulation.adaptive.relative_errors import (
@@ -299,79 +295,3 @@ class AdaptiveRun:
 def _over_energy(local: LocalErrors, energy: float) -> float | None:
     """Error of the displacement over it, in the energy norm."""
     return float(local.total / np.sqrt(2 * energy)) if energy > 0 else None
-
-
-def adaptive_plan(run: Run) -> str:
-    """Return what ``fenics-contact check`` says of the requested accuracy; empty without one."""
-    if run.scene.accuracy is None:
-        return ""
-    words = plan(asked_of(run), run.scene.accuracy)
-    reason = hindrance(run.scene, run.problem.body, is_own=False)
-    return f"{words} But {reason}." if reason else words
-
-
-def run(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None) -> Result:
-    """Solve a scene; collective.
-
-    Args:
-        scene: What to solve; one that asks for an accuracy, mesh after mesh.
-        comm: Communicator.
-        body: The mesh, if not the one the scene names.
-
-    Returns:
-        Global numbers, the same on every rank and any number of ranks.
-
-    Raises:
-        InputError: The scene or its mesh cannot be used; of it, ``NoEquilibriumError``: supports
-            and friction cannot hold the loads (paper, (2.4)).
-        MachineError: The machine has not the memory, or a file could not be written.
-
-    That Newton's method fails is no error, but a result that says so. What goes wrong on one rank
-    alone ends all ranks, with a message and ``MPI_Abort``.
-
-    A sphere on a half-space, with Hertz's force 4/3 E* √R d^(3/2) (K. L. Johnson, Contact
-    Mechanics, 1985, (4.23)):
-
-    >>> from fenics_contact import load_scene, main
-    >>> main(["new", "hertz", "--quiet"])  # writes hertz.toml and hertz.geo
-    0
-    >>> result = run(load_scene("hertz.toml"))
-    >>> exact = 4 / 3 * 1000 / (1 - 0.3**2) * 8**0.5
-    >>> abs(result.quantities["normal_force"] / exact - 1) < 0.01
-    True
-    >>> result.passed, result.exit_code
-    (True, 0)
-
-    Each contact point stands for a piece of the surface, in axisymmetric models for a ring:
-
-    >>> points = result.points
-    >>> force = float(points.weights @ points.contact_pressure)
-    >>> abs(force / exact - 1) < 0.01
-    True
-    """
-    return run_with_fields(scene, comm, body)[0]
-
-
-def run_with_fields(
-    scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, body: Body | None = None
-) -> tuple[Result, Run]:
-    """Run a scene, and return the run too, whose ``fields`` are functions of dolfinx; collective.
-
-    Args:
-        scene: What to solve.
-        comm: Communicator.
-        body: The mesh, if not the one the scene names.
-
-    Returns:
-        The result and its run: if the scene asks for an accuracy, that on the last mesh.
-
-    Raises:
-        InputError: As ``run``.
-        MachineError: As ``run``.
-    """
-    prepared = first_run(scene, comm, body)
-    if scene.accuracy is None:
-        return prepared.solve(), prepared
-    levels = AdaptiveRun(prepared, body is not None)
-    result = levels.solve(lambda level, guess: level.solve(guess=guess))
-    return result, levels.run

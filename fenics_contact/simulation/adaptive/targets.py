@@ -16,10 +16,12 @@ from fenics_contact.quantities.names import (
     STICK_AREA,
     STICK_RADIUS,
 )
+from fenics_contact.results.accuracy_messages import plan
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
 from fenics_contact.scene.asked.accuracy import Accuracy
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.adaptive.next_mesh import hindrance
 from fenics_contact.simulation.scene_run import Run
 
 # Share of the accuracy that penalty, regularisation and iteration may take, and what they are
@@ -121,3 +123,12 @@ def balanced(scene: Scene, result: Result, errors: Errors, asked: Mapping[str, f
                 smaller = used / min(excess / _AIM, _SMALLER)
                 contacts[number] = dataclasses.replace(contact, **{key: smaller})
     return dataclasses.replace(scene, contact=tuple(contacts))
+
+
+def adaptive_plan(run: Run) -> str:
+    """Return what ``fenics-contact check`` says of the requested accuracy; empty without one."""
+    if run.scene.accuracy is None:
+        return ""
+    words = plan(asked_of(run), run.scene.accuracy)
+    reason = hindrance(run.scene, run.problem.body, is_own=False)
+    return f"{words} But {reason}." if reason else words

@@ -20,7 +20,7 @@ from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path, Profile
-from fenics_contact.simulation.adaptive.levels import run
+from fenics_contact.simulation.runs import run
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.case import Case, Finding, solved
 

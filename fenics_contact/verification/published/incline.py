@@ -15,7 +15,7 @@ from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene, SolverSettings
-from fenics_contact.simulation.adaptive.levels import run
+from fenics_contact.simulation.runs import run
 from fenics_contact.verification.block_pair import LOWER, UPPER, block
 from fenics_contact.verification.case import Case, Finding, solved
 
