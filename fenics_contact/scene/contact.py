@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
 from fenics_contact.scene.laws.friction_laws import AnyFrictionLaw
-from fenics_contact.scene.laws.normal_laws import AnyNormalLaw
+from fenics_contact.scene.laws.kinds import kinds_of
+from fenics_contact.scene.laws.normal_laws import NORMAL_LAWS, AnyNormalLaw
 from fenics_contact.scene.laws.wear import Wear
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.units.dimensions import (
@@ -219,6 +220,11 @@ class Contact:
         return next(given, "unilateral")
 
     @property
+    def fits_motion(self) -> bool:
+        """Whether the law across it is one that bodies in motion may have."""
+        return self.normal_law is None or self.normal_law.fits_motion
+
+    @property
     def coulomb_coefficient(self) -> float | None:
         """The coefficient, where that one number bounds friction; None where it varies."""
         given, law = self.friction_coefficient, self.friction_law
@@ -234,6 +240,12 @@ class Contact:
     def label(self) -> str:
         """Name in results and messages."""
         return self.name or self.on
+
+
+def kinds_in_motion() -> list[str]:
+    """Kinds of contact that bodies in motion may have."""
+    tables = [table for table in NORMAL_LAWS.tables if table.fits_motion]
+    return [*get_args(Kind), *(kind for table in tables for kind in kinds_of(table))]
 
 
 # The key without which there is no contact of a kind, and which says that it is one.

@@ -27,7 +27,7 @@ class TablesByKind:
     @property
     def tables(self) -> tuple[Any, ...]:
         """All classes, that of a user's own laws last."""
-        return tuple(sorted(self._tables, key=lambda table: not _kinds(table)))
+        return tuple(sorted(self._tables, key=lambda table: not kinds_of(table)))
 
     def register(self, table: Any) -> None:
         """Accept tables of one more class.
@@ -38,8 +38,8 @@ class TablesByKind:
         Raises:
             ValueError: There is a table of this kind.
         """
-        known = [kind for other in self._tables for kind in _kinds(other)]
-        if twice := [kind for kind in _kinds(table) if kind in known]:
+        known = [kind for other in self._tables for kind in kinds_of(other)]
+        if twice := [kind for kind in kinds_of(table) if kind in known]:
             raise ValueError(f"there is a table of the kind '{twice[0]}'")
         self._tables, self._adapter = (*self._tables, table), None
 
@@ -70,8 +70,8 @@ class TablesByKind:
 
 
 def _chosen_by_kind(tables: tuple[Any, ...]) -> Any:
-    of_kind = {kind: table for table in tables for kind in _kinds(table)}
-    own = next((table for table in tables if not _kinds(table)), None)
+    of_kind = {kind: table for table in tables for kind in kinds_of(table)}
+    own = next((table for table in tables if not kinds_of(table)), None)
     words = ", ".join(f"'{kind}'" for kind in of_kind) + (", 'MODULE:CLASS'" if own else "")
     tagged = tuple(Annotated[table, Tag(table.__name__)] for table in tables)
 
@@ -90,7 +90,7 @@ def _chosen_by_kind(tables: tuple[Any, ...]) -> Any:
     ]
 
 
-def _kinds(table: Any) -> tuple[str, ...]:
+def kinds_of(table: Any) -> tuple[str, ...]:
     """The names that a class takes for its kind; none where it takes any."""
     found: tuple[str, ...] = get_args(table.__pydantic_fields__["kind"].annotation)
     return found

@@ -5,7 +5,7 @@ A new one is a class here: what it says of itself are its keys.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -16,9 +16,15 @@ from fenics_contact.scene.values import Number, Text, Value, scene_class
 
 
 class NormalLawTable:
-    """Base class of the tables of laws across a contact, which results name by ``kind``."""
+    """Base class of the tables of laws across a contact, which results name by ``kind``.
+
+    Attributes:
+        kind: By which results and messages name the law.
+        fits_motion: Whether bodies in motion may have it.
+    """
 
     kind: str
+    fits_motion: ClassVar[bool] = False
 
 
 @scene_class
@@ -29,6 +35,7 @@ class NormalCompliance(NormalLawTable):
     2.0
     """
 
+    fits_motion: ClassVar[bool] = True
     kind: Annotated[Literal["normal compliance"], Field(description="which law it is")]
     coefficient: Annotated[Value, STIFFNESS_OF_POWER, Field(description="c ≥ 0")]
     exponent: Annotated[

@@ -10,19 +10,18 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field
 
 from fenics_contact.analyses import registry
+from fenics_contact.scene.contact import Contact, kinds_in_motion
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.steps import Steps
 from fenics_contact.scene.units.dimensions import RATE, TIME, VELOCITY
 from fenics_contact.scene.values import PER_AXIS, RAMP, Number, Positive, scene_class
 
 if TYPE_CHECKING:
-    from fenics_contact.scene.contact import Contact
     from fenics_contact.scene.scene import Scene
 
 # Of a step, by which the last one may end behind the end.
 _SAME = 1e-9
 MOST_STEPS = 100_000
-_LAWS = ("unilateral", "winkler", "prescribed", "bonded", "normal compliance")
 
 
 @scene_class
@@ -250,8 +249,9 @@ def _require_contact(contact: Contact, key: str) -> None:
         raise ValueError(f"motion: {key}.obstacle.force: an obstacle has no mass; move it instead")
     if contact.wear is not None:
         raise ValueError(f"motion: {key}.wear: bodies that move do not wear yet; leave it out")
-    if contact.kind not in _LAWS:
-        raise ValueError(f"motion: {key}: only contacts that are {', '.join(_LAWS)} can move yet")
+    if not contact.fits_motion:
+        kinds = ", ".join(kinds_in_motion())
+        raise ValueError(f"motion: {key}: only contacts that are {kinds} can move yet")
     law = contact.friction_law
     follows = contact.law != "static" and (law is None or law.fits_motion)
     if contact.is_rough and not follows:

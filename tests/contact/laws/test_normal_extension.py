@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 from scipy.optimize import brentq
 
-from fenics_contact import Run, Steps, Study, run
+from fenics_contact import Motion, Path, Run, Steps, Study, run
 from fenics_contact.common.errors import SceneError
 from fenics_contact.contact.laws import normal
 from fenics_contact.scene.keys.reference import render
@@ -16,6 +16,7 @@ from tests.contact.laws import hardening_springs
 from tests.contact.laws import test_normal_taylor as taylor
 from tests.contact.laws.hardening_springs import KIND
 from tests.contact.laws.test_formula_law import BALL, law
+from tests.contact.laws.test_friction_rules import sheared
 from tests.contact.laws.test_normal_compliance import block, pressed
 from tests.report.page.pages import page_of
 from tests.scenes import box_body
@@ -121,3 +122,22 @@ def test_a_parameter_that_is_called_like_a_key_of_the_contact_is_another_number(
     assert contact.friction.field_slopes("force", 1.0) == {}
     ((name, slope),) = contact.friction.field_slopes("friction_law.parameters.force", 1.0).items()
     assert name == "force" and np.all(slope == 1)
+
+
+def test_a_law_says_whether_bodies_in_motion_may_have_it(monkeypatch):
+    moving = {"motion": Motion(step=0.1, end=1)}
+    words = r"unilateral, .*normal compliance can move yet"
+    with pytest.raises(SceneError, match=words):
+        sheared({"normal_law": TABLE}, density=1.0, path=Path((0.0,), (1.0,)), **moving)
+    monkeypatch.setattr(hardening_springs.HardeningSprings, "fits_motion", True)
+    scene = sheared({"normal_law": TABLE}, density=1.0, path=Path((0.0,), (1.0,)), **moving)
+    found = run(scene, COMM, box_body((4, 2)))
+    assert found.quantities["max_penetration"] > 0
+    formula = sheared(
+        {"normal_law": {"kind": "normal compliance", "coefficient": STIFFNESS, "exponent": 1}},
+        density=1.0,
+        path=Path((0.0,), (1.0,)),
+        **moving,
+    )
+    softer = run(formula, COMM, box_body((4, 2)))
+    assert softer.quantities["max_penetration"] > found.quantities["max_penetration"]
