@@ -11,7 +11,8 @@ from mpi4py import MPI
 from fenics_contact import Contact, Material, Scene, Study, UserContactEnergy, allow_laws
 from fenics_contact.contact.laws.normal.spring import positive
 from fenics_contact.problem.problem import Problem
-from tests.contact.laws.test_by_points import displaced
+from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
+from tests.contact.laws.test_by_points import both, displaced, matrix_of, use_friction
 from tests.contact.laws.test_friction_rules import sheared
 from tests.contact.laws.test_friction_taylor import along, quotient, random_like
 from tests.scenes import box_body
@@ -198,3 +199,24 @@ def test_pressure_and_shear_of_a_law_are_coupled_in_answers(coefficient):
         of_force, of_energy = (values[0] - values[1]) / (2e-4 * given)
         assert slopes["friction_force_x"][key] == pytest.approx(of_force, rel=1e-4)
         assert slopes["strain_energy"][key] == pytest.approx(of_energy, rel=1e-3)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_forms_and_points_couple_friction_to_all_of_the_pressure(dimension):
+    """Of an energy that depends on slip, the pressure has a part that does not follow the depth."""
+    allow_laws(__name__)
+    keys = {"normal_law": LAWS["user's"]["normal_law"], "friction_coefficient": 0.3}
+    body = box_body((3, 2, 2)[:dimension])
+    (contact,) = Problem.on_mesh(sheared(keys, dimension), body).contacts
+    contact.friction.regularisation.set(0.005)
+    surface, slip = SurfaceMatrix(contact), displaced(contact, np.random.default_rng(3))
+    contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
+    matrices = []
+    for mode in ("law", "coupled"):
+        use_friction(contact, mode, slip)
+        expected, found = both(contact, lambda: matrix_of(surface))
+        scale = np.abs(expected).max(initial=1e-300)
+        assert scale > 1
+        assert np.abs(found - expected).max(initial=0) <= 1e-12 * scale
+        matrices.append(found)
+    assert np.abs(matrices[1] - matrices[0]).max(initial=0) > 0
