@@ -136,7 +136,7 @@ def _of_contacts(run: RunToDraw) -> Iterator[Picture]:
 
 
 def _along_lines(run: RunToDraw) -> Iterator[Picture]:
-    """Of flat models: stresses on the axis, if there is one; displacements of the surface."""
+    """Yield pictures of flat models: stresses on an axis, and displacements of the surface."""
     contacts = run.result.contacts
     if not contacts or not run.flat:
         return
@@ -151,7 +151,7 @@ def _along_lines(run: RunToDraw) -> Iterator[Picture]:
 
 
 def _of_analyses(run: RunToDraw) -> Iterator[Picture]:
-    """What analyses of the scene have found."""
+    """Yield the pictures of the scene's analyses."""
     for part in registry.parts_of_result(run.result, "page"):
         yield from part.PAGE.pictures(run)
 

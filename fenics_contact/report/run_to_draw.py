@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunToDraw:
-    """What the files of a run hold.
+    """Contents of the files of a run.
 
     Attributes:
         folder: Where they are.

@@ -38,7 +38,7 @@ MOST_BODIES = 30  # frames at most
 
 @dataclass(frozen=True)
 class Overview:
-    """What all frames have in common.
+    """Properties that all frames have in common.
 
     Attributes:
         view: What is shown; its body is the last one.
@@ -185,7 +185,7 @@ class _Space:
 
 
 def _pixels(figure: Figure, is_first: bool) -> NDArray[np.uint8]:
-    """What a figure shows; from the first frame on nothing moves any more."""
+    """Return the pixels of a figure, whose layout is fixed from the first frame on."""
     if is_first:
         figure.set_dpi(_DPI)
         for _ in range(2):

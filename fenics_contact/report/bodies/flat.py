@@ -81,7 +81,7 @@ def draw_flat(
 
 
 def _frame(view: View, points: Array) -> tuple[Array, Array]:
-    """What is shown: the view, of a whole body also where it moved to, with a margin."""
+    """Return the shown range: the view, for a whole body with its displacements, and a margin."""
     low, high = view.low[:2], view.high[:2]
     if not view.is_near:
         low = np.minimum(low, points[:, :2].min(axis=0))

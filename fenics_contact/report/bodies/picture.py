@@ -148,7 +148,7 @@ def framed(
 
 
 def _axes(panel: Axes, view: View) -> None:
-    """Which way x, y and z point, in the lower left corner."""
+    """Draw the directions of x, y and z in the lower left corner."""
     right, up = view.screen
     look = {"arrowstyle": "-|>", "linewidth": 0.8, "color": "0.2", "mutation_scale": 6}
     for letter, axis in zip("xyz", np.eye(3), strict=True):

@@ -89,7 +89,7 @@ def render(
 
 
 def corners_of(view: View) -> Array:
-    """What has to fit into the window: what is shown, before and after, (points, 3) (length)."""
+    """Return the corners that must fit into the window, before and after, (points, 3) (length)."""
     points = np.asarray(view.body.points, dtype=float)
     inside = ((points >= view.low) & (points <= view.high)).all(axis=1)
     moved = points[inside] + view.factor * np.asarray(view.body["displacement"])[inside]
@@ -132,7 +132,7 @@ def _add_body(plotter: Plotter, view: View, limits: tuple[float, float]) -> None
 
 
 def cut_to(shape: DataSet, view: View) -> DataSet:
-    """What of it lies inside the view."""
+    """Return the part of a shape inside the view."""
     for axis, normal in enumerate("xyz"):
         if shape.n_cells and shape.bounds[2 * axis + 1] > view.high[axis]:
             shape = shape.clip(normal, origin=view.high)
@@ -162,7 +162,7 @@ def _add_obstacle(plotter: Plotter, view: View, obstacle: ObstacleSurface) -> No
 
 
 def seen_points(view: View) -> Flags:
-    """Which nodes of the view's body are contact points that no body hides, (nodes,)."""
+    """Return for each node of the body whether it is a visible contact point, (nodes,)."""
     from vtkmodules.vtkCommonCore import mutable
     from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
 
@@ -214,7 +214,7 @@ def _add_points(plotter: Plotter, view: View, seen: Flags) -> None:
 
 
 def _radius(points: Array, size: float) -> float:
-    """Of the balls: smaller than half of what the points are apart (length)."""
+    """Return the radius of balls, less than half the distance of points (length)."""
     if len(points) < 2:
         return _BALL[1] * size
     near, _ = cKDTree(points).query(points, k=2)

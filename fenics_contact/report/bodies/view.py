@@ -1,4 +1,4 @@
-"""What the picture of the deformed body shows, and from where."""
+"""View of the picture of the deformed body."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NEAR = 0.4  # neighbourhoods smaller than this share of the body are looked at 
 
 @dataclass(frozen=True)
 class View:
-    """What is shown of the body, and from where.
+    """The shown part of the body, and the direction of view.
 
     Attributes:
         body: The cells shown, with all fields.
@@ -96,7 +96,7 @@ def choose_view(body: UnstructuredGrid, result: Outcome, table: ContactTable) ->
 
 
 def cells_inside(body: UnstructuredGrid, view: View) -> UnstructuredGrid:
-    """Of the body at another time, the cells that a view from near by shows."""
+    """Return the cells of the body at another time that a close view shows."""
     if not view.is_near:
         return body
     return _cells_around(body, view.low, view.high)

@@ -54,7 +54,7 @@ class _Along:
 
     @property
     def values(self) -> dict[str, LineValues]:
-        """What is drawn, by name."""
+        """Values to draw, by name."""
         found = [pressure_along(self.line)]
         if self.contact.carries_shear:
             found += [friction_along(self.line, self.contact), slip_along(self.line)]

@@ -1,4 +1,4 @@
-"""What pictures of several runs are drawn from: fields, contact points and load steps of each."""
+"""Data of pictures of several runs: fields, contact points and load steps of each."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class DrawnRun:
 
     @property
     def look(self) -> dict[str, Any]:
-        """Of its curves, for matplotlib: colour and dashes, with its name."""
+        """Colour, dashes and name of its curves, for matplotlib."""
         colour, dashes = LINES[self.number % len(LINES)]
         return {"color": colour, "linestyle": dashes, "label": plain(self.name)}
 
@@ -54,7 +54,7 @@ class DrawnRun:
 
     @property
     def drives(self) -> list[Drive]:
-        """What is moved."""
+        """Drives of the run."""
         return self.history.drives(self.result.contacts, self.far)
 
     @property
@@ -73,7 +73,7 @@ class DrawnRun:
 
 
 def drawn_runs(runs: Sequence[ComparedRun]) -> list[DrawnRun]:
-    """Those that have fields: others have no answer.
+    """Return the runs that have fields: others have no answer.
 
     Args:
         runs: That are compared.

@@ -126,7 +126,7 @@ def _over_time(panels: _Panels, title: str, path: Path) -> Picture:
 
 
 def _drives(runs: Sequence[DrawnRun]) -> dict[tuple[str, str, str], list[tuple[DrawnRun, Drive]]]:
-    """What two runs or more move: title, words of displacement and force → the path of each."""
+    """Return drives of two runs or more: title, words of displacement and force → their paths."""
     found: dict[tuple[str, str, str], list[tuple[DrawnRun, Drive]]] = {}
     for run in runs:
         for drive in run.drives if len(run.history.steps) > 1 else []:

@@ -129,7 +129,7 @@ def _caption(
 
 
 def formula_words(analytic: AnalyticContact) -> str:
-    """What the formulas are, with the size of the contact."""
+    """Return the name of the formulas, with the size of the contact."""
     size = "half-width" if analytic.line else "radius"
     radius, peak = analytic.hertz.radius, analytic.hertz.peak
     words = f"{analytic.label}, for the force that was found "

@@ -1,4 +1,4 @@
-"""What happens on a contact surface, load step by load step, as an animation."""
+"""Animation of a contact surface, load step by load step."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def frame_rows(rows: ContactTable, body: UnstructuredGrid, contact: ContactRecor
 def _drive(
     result: Outcome, contact: ContactRecord, times: list[float], far: tuple[str, ...]
 ) -> Drive | None:
-    """What is moved last of what moves: of an obstacle, how it moves along the surface."""
+    """Return the drive that moves last; for an obstacle its motion along the surface."""
     history = History.of(result)
     drives = history.drives(result.contacts, far)
     own = [drive for drive in drives if f"'{contact.name}'" in drive.title]
@@ -133,7 +133,7 @@ def _drive(
 
 
 def frame_numbers(steps: int, most: int = _MOST_FRAMES) -> Integers:
-    """Which of so many steps are shown: all, or as many evenly spread, with the last."""
+    """Return the numbers of the shown steps: all, or some evenly spread, with the last."""
     return np.unique(np.linspace(0, steps - 1, min(steps, most)).round().astype(np.int64))
 
 

@@ -70,7 +70,7 @@ class SurfaceLine:
         return cls(rows, axis, circle, position, pieces, order, (low, high), marks(contact))
 
     def then(self, rows: ContactTable) -> SurfaceLine:
-        """The same line in another load step.
+        """Return the line in another load step.
 
         Args:
             rows: Its points then, as those that it was made of.

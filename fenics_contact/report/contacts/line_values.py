@@ -1,4 +1,4 @@
-"""What there is to draw along a contact line: values at its points, panel by panel.
+"""Values to draw along a contact line, panel by panel.
 
 Still pictures, the slider of the report and pages of several runs all draw these.
 """

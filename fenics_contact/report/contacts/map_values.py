@@ -1,4 +1,4 @@
-"""What there is to draw on a contact surface in 3D: the map, and values at its points.
+"""Values to draw on a contact surface in 3D: the map, and values at its points.
 
 Still pictures, films, the slider of the report and pages of several runs all draw these.
 """
@@ -106,7 +106,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class MapValues:
-    """What is shown on a map in colours, and perhaps as arrows.
+    """Values shown on a map in colours, and perhaps as arrows.
 
     Attributes:
         name: What it is, with its symbol.
@@ -129,7 +129,7 @@ class MapValues:
 def map_values(
     surface: Surface, rows: ContactTable, contact: ContactRecord, kept: Collection[str] = ()
 ) -> list[MapValues]:
-    """What is worth a map beside the status.
+    """Return the values that get a map, besides the status.
 
     Args:
         surface: The map.

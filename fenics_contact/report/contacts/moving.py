@@ -68,7 +68,7 @@ class MovingContact:
 
     @property
     def zone(self) -> ContactTable:
-        """The same points, STICK where they ever touch."""
+        """The points, STICK where they ever touch."""
         return zone_of(self.frames)
 
     @property
@@ -139,7 +139,7 @@ def _runs(moving: MovingContact, line: SurfaceLine) -> list[list[float | None]]:
 def _set_limits(
     panel: Axes, whole: SurfaceLine, lines: Sequence[SurfaceLine], steps: Sequence[LineValues]
 ) -> None:
-    """As far as the values of any step go; peaks are cut off as in a still picture."""
+    """Set the limits to the values of all steps; peaks are cut off as in a still picture."""
     low, high = whole.view
     shown = (whole.position >= low) & (whole.position <= high)
     every = np.concatenate(

@@ -1,4 +1,4 @@
-"""What laws keep of their own at the points, for pictures: each by its name."""
+"""State variables of laws at the points, for pictures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fenics_contact.results.records.contacts import ContactRecord
 
 
 def shown_arrays(rows: ContactTable, contact: ContactRecord) -> dict[str, PointArray]:
-    """Those that are not zero everywhere, by what pictures call them.
+    """Return the arrays that are not zero everywhere, by their names in pictures.
 
     Args:
         rows: Points of a contact.
@@ -23,11 +23,11 @@ def shown_arrays(rows: ContactTable, contact: ContactRecord) -> dict[str, PointA
 
 
 def sizes(rows: ContactTable, array: PointArray) -> Array:
-    """Its values at the points, or the lengths of its vectors, (points,)."""
+    """Return an array's values at the points, or the lengths of its vectors, (points,)."""
     values = rows.vectors(*array.columns)
     return np.linalg.norm(values, axis=1) if array.is_vector else values[:, 0]
 
 
 def label(array: PointArray) -> str:
-    """What an axis or a bar of colours says of it."""
+    """Return the label of an array's axis or colour bar."""
     return labelled(f"{array.words}, size" if array.is_vector else array.words, array.unit)

@@ -124,7 +124,7 @@ def _plane(rows: ContactTable) -> tuple[tuple[int, int], float] | None:
 
 
 def _middle(rows: ContactTable, third: int) -> float:
-    """Of the contact zone along an axis; of one that a plane of symmetry cuts, next to that."""
+    """Return the middle of the contact zone along an axis; at a plane of symmetry, next to it."""
     place = rows.numbers["xyz"[third]]
     closed = place[rows.closed]
     low, high, size = closed.min(), closed.max(), max(np.ptp(closed), _OFF * np.ptp(place))

@@ -1,1 +1,1 @@
-"""What all pictures share: fields that are read, figures, style, a display for VTK."""
+"""Parts that all pictures share: reading of fields, figures, style, a display for VTK."""

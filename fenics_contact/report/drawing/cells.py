@@ -31,12 +31,12 @@ class Cell:
 
     @property
     def faces(self) -> tuple[tuple[int, ...], ...]:
-        """What a surface is made of: facets of cells in space, and flat cells themselves."""
+        """Faces of a surface: facets of cells in space, and flat cells themselves."""
         return (self.whole,) if self.whole else self.facets
 
     @property
     def corners_of_face(self) -> int:
-        """Of one of ``faces``."""
+        """Number of corners of one of ``faces``."""
         if not self.whole:
             return self.corners
         return {3: 3, 6: 3, 4: 4, 9: 4}[len(self.whole)]

@@ -132,7 +132,7 @@ Chart: TypeAlias = Plane | Cylinder
 
 
 def chart_of(rows: ContactTable) -> Chart:
-    """Of a cylinder, or of more than 60 degrees of one, it is unrolled; else as it is seen.
+    """Return the chart of a surface: more than 60° of a cylinder is unrolled.
 
     Args:
         rows: Points of a contact in space.
@@ -202,7 +202,7 @@ def circle_through(points: Array) -> tuple[Array, float] | None:
 
 
 def _middle(angles: Array, pressed: Array) -> float:
-    """What the map has in its middle: of an arc its own, of a whole turn where it is pressed."""
+    """Return the angle in the map's middle: that of an arc, or of the pressed part of a turn."""
     ordered = np.sort(angles)
     gaps = np.diff(np.append(ordered, ordered[0] + 2 * np.pi))
     widest = int(np.argmax(gaps))

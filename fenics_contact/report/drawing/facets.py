@@ -36,7 +36,7 @@ class ContactPieces:
 
     @property
     def closed(self) -> Flags:
-        """Which pieces touch: those more than half of whose points do, (pieces,)."""
+        """Flags of the pieces of which more than half the points touch, (pieces,)."""
         return np.asarray(self.rows.closed[self.pieces].mean(axis=1) > 0.5)
 
     def only(self, wanted: Flags) -> ContactPieces:
@@ -114,7 +114,7 @@ def nodes_at(
 def _nodes_at(
     body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord
 ) -> tuple[ContactTable, Integers]:
-    """The same of all points."""
+    """Return the points of a contact that the body shows, and the body's nodes there."""
     facets = _facets(body, contact)
     status = np.asarray(body["status"])
     # not those of a surface opposite, at the same places

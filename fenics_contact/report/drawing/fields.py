@@ -67,7 +67,7 @@ def read_modes(folder: Path, name: str = "modes") -> Iterator[UnstructuredGrid]:
 
 
 def _grids(path: Path, numbers: Iterable[int]) -> Iterator[tuple[float, UnstructuredGrid]]:
-    """What a collection has for its times, by number, in one piece."""
+    """Yield the times and grids of a collection, by number."""
     import pyvista
 
     reader = pyvista.get_reader(str(path))
@@ -109,7 +109,7 @@ def body_of_nodes(grid: UnstructuredGrid) -> Integers:
 
 
 def von_mises(stress: Array) -> Array:
-    """Of stresses (points, 9), (points,) (stress)."""
+    """Return the von Mises stress of stresses (points, 9), (points,) (stress)."""
     tensor = stress.reshape(-1, 3, 3)
     deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
     found: Array = np.sqrt(1.5 * np.einsum("nij,nij->n", deviator, deviator))
@@ -224,7 +224,7 @@ def flat_outline(grid: UnstructuredGrid) -> list[Array]:
 
 
 def surface_edges(grid: UnstructuredGrid) -> PolyData:
-    """Of a body in space the sides of the faces on its surface, as a surface of lines.
+    """Return the edges of faces on a body's surface, as a surface of lines.
 
     Those of a few cells may be curved; of many cells they are straight.
     """

@@ -120,7 +120,7 @@ def save(figure: Figure, path: Path, tight: bool = False) -> None:
 
 
 def _save_for(paper: Paper, figure: Figure, path: Path) -> None:
-    """As wide as is wanted, and as high as what is drawn."""
+    """Save a figure of the requested width, as high as its content."""
     file, inches = paper.file(path), figure.get_figwidth()
     drawn = tight_box(figure)
     box = type(drawn).from_extents(0, drawn.y0, inches, drawn.y1)
@@ -131,7 +131,7 @@ def _save_for(paper: Paper, figure: Figure, path: Path) -> None:
 
 
 def tight_box(figure: Figure) -> Bbox:
-    """What is left of a figure without its margins, in inches; it is laid out as it is then.
+    """Lay a figure out for good, and return its box without margins, in inches.
 
     Args:
         figure: Matplotlib's.
@@ -178,11 +178,11 @@ def surface_of(contact: ContactRecord) -> str:
 
 
 def in_words(parts: list[str]) -> str:
-    """Such as: pressure, friction and gap."""
+    """Join parts in words, such as: pressure, friction and gap."""
     return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
 
 
 def title_of(panels: list[str], contact: ContactRecord) -> str:
-    """Such as: Contact pressure and gap on 'top'."""
+    """Return a title, such as: Contact pressure and gap on 'top'."""
     words = in_words(panels)
     return f"{words[0].upper()}{words[1:]} on {surface_of(contact)}"

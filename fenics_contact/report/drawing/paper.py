@@ -92,7 +92,7 @@ def write_data(figure: Figure, path: Path) -> None:
 
 
 def _rows(panel: Axes, number: int) -> Iterator[list[object]]:
-    """Of the curves of a panel; those whose name begins with an underscore have none."""
+    """Yield the rows of a panel's curves whose names do not begin with an underscore."""
     for line in panel.get_lines():
         if line.get_transform() != panel.transData:  # as a line at 0 across the whole panel
             continue

@@ -1,4 +1,4 @@
-"""What all pictures share: the style, how contact points are marked, how far one looks around."""
+"""Style of all pictures: marks of contact points, and the shown surroundings."""
 
 from __future__ import annotations
 

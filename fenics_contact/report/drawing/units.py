@@ -32,7 +32,7 @@ def unit_of(measured: str) -> str:
 
 
 def labelled(words: str, measured: str) -> str:
-    """What an axis, or a bar of colours, says: its unit in brackets, if the run has one.
+    """Return the label of an axis or colour bar, with its unit in brackets, if the run has one.
 
     Args:
         words: Such as ``contact pressure``.

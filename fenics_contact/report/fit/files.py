@@ -35,12 +35,12 @@ class FittedCurve:
 
     @property
     def residual(self) -> Array:
-        """Of the run less the data, (rows,)."""
+        """Difference of the run and the data, (rows,)."""
         return np.asarray(self.run - self.measured)
 
 
 def read_fit(folder: Path) -> tuple[FitRecord, FittedCurve]:
-    """What a fit has left in its folder.
+    """Read the files of a fit from its folder.
 
     Args:
         folder: With ``fit.json`` and ``fit.csv``.

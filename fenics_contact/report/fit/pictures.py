@@ -38,7 +38,7 @@ def draw_fit(folder: Path, record: FitRecord, curve: FittedCurve) -> list[Pictur
 
 
 def _abscissa(record: FitRecord, curve: FittedCurve) -> tuple[str, Array]:
-    """What is to the right: the only thing that the curve is over, else the number of the row."""
+    """Return the abscissa of a curve: its only one, else the number of the row."""
     if len(curve.over) > 1:
         return "row of the data", np.arange(1, record.rows + 1, dtype=np.float64)
     ((name, values),) = curve.over.items()

@@ -12,7 +12,7 @@ TIME = "time"
 
 
 def measured_as(name: str) -> str:
-    """What a quantity measures, by the name under which it is asked for; empty of others.
+    """Return the dimension of a quantity by its name; empty for others.
 
     >>> measured_as("top.friction_force_x"), measured_as("time")
     ('force', '')

@@ -295,7 +295,7 @@ def _planes(result: Outcome) -> list[tuple[int, float]]:
 
 
 def _mirrors(scene: Scene, result: Outcome) -> list[tuple[int, float]]:
-    """The same, and the axis of revolution."""
+    """Return the planes of symmetry and the axis of revolution."""
     return [*_planes(result), *([(0, 0.0)] if scene.kinematics == "axisymmetric" else [])]
 
 

@@ -133,7 +133,7 @@ def _levels(levels: list[LevelRecord], asked: Mapping[str, float], path: Path) -
 
 
 def _order(dofs: Array, errors: Array) -> float | None:
-    """By which power of the dofs errors fall, by least squares; None if they do not."""
+    """Return the power of dofs by which errors fall, by least squares; None if they do not."""
     known = np.isfinite(errors) & (errors > 0)
     if known.sum() < 2:
         return None

@@ -42,7 +42,7 @@ class Loop:
 
     @property
     def compliance(self) -> float:
-        """Of the straight line between the turning points (length/force)."""
+        """Compliance of the straight line between the turning points (length/force)."""
         low, high = int(np.argmin(self.x)), int(np.argmax(self.x))
         return float((self.x[high] - self.x[low]) / (self.y[high] - self.y[low] or 1.0))
 

@@ -73,7 +73,7 @@ def draw_history(folder: Path, result: Outcome, far: tuple[str, ...] = ()) -> li
 
 
 def time_label(clock: str) -> str:
-    """Of an axis of times; pseudo-time has no unit.
+    """Return the label of an axis of times; pseudo-time has no unit.
 
     Args:
         clock: As of ``History``.
@@ -327,7 +327,7 @@ def _number(value: float) -> str:
 
 
 def _arrows(panel: Axes, drive: Drive) -> None:
-    """Which way the path goes, at a few places along it."""
+    """Draw the direction of a path at a few places along it."""
     x, y = (values / (np.ptp(values) or 1.0) for values in (drive.x, drive.y))
     lengths = np.hypot(np.diff(x), np.diff(y))
     reached = np.cumsum(lengths)

@@ -1,4 +1,4 @@
-"""What slip has worn off, over the load steps of a run."""
+"""Pictures of wear over the load steps of a run."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ class PairRow:
 
 @dataclass(frozen=True)
 class Look:
-    """What the page shows.
+    """Content of the page on a mesh.
 
     Attributes:
         title: Its heading.

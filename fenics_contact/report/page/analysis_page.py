@@ -1,4 +1,4 @@
-"""What an analysis adds to the page of a run: a section, pictures, animations."""
+"""Parts of a run's page by an analysis: a section, pictures, animations."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class AnalysisSection:
 
 
 class AnalysisPage:
-    """What an analysis adds to the page; the part ``page`` of its folder has it as ``PAGE``."""
+    """Part of a run's page by an analysis, ``PAGE`` of the module ``page`` of its folder."""
 
     def section(self, result: RunRecord) -> AnalysisSection | None:
         """Its section, where it has something to say.

@@ -25,7 +25,7 @@ from fenics_contact.results.words.tables import branch_rows
 
 @dataclass(frozen=True)
 class Content:
-    """What a page is made of.
+    """Content of a page.
 
     Attributes:
         name: Of the run's folder.

@@ -64,7 +64,7 @@ def _use(check: CheckRecord) -> Markup:
 
 
 def failures(result: Outcome) -> list[str]:
-    """What is wrong with each check that failed: how much, and where."""
+    """Return for each failed check what is wrong, by how much, and where."""
     return [
         said for name, check in result.checks.items() if not check.passed
         for said in [_failure(name, check)]

@@ -56,7 +56,7 @@ class Quantity:
 
     @property
     def measured(self) -> str:
-        """What it measures, such as ``stress``."""
+        """Dimension, such as ``stress``."""
         if self.owner and self.name in MEASURED_BY_PRELOADS:
             return MEASURED_BY_PRELOADS[self.name]
         return "length" if self.name == "displacement" else measured_by(self.name)
@@ -188,7 +188,7 @@ def unit_of_key(key: str, units: UnitsRecord | None) -> str:
 
 
 def label(quantity: Quantity, axis: str, units: UnitsRecord | None) -> str:
-    """What an axis says of a quantity, or of one of its components.
+    """Return the label of an axis of a quantity, or of one of its components.
 
     Args:
         quantity: The quantity.

@@ -163,7 +163,7 @@ def _outcome(table: SweepTable) -> str:
 
 
 def _facts(record: SweepRecord) -> list[str]:
-    """What was varied, and what it took."""
+    """Return sentences on what was varied, and on its cost."""
     varied = [f"Varied: {_varied(key, values, record)}." for key, values in record.vary.items()]
     times = record.bulk_factorisations
     factorised = "once" if times == 1 else f"{times} times"
@@ -184,7 +184,7 @@ def _varied(key: str, values: list[Any], record: SweepRecord) -> str:
 
 
 def _failures(record: SweepRecord, table: SweepTable) -> list[tuple[int, str, str]]:
-    """Of the first points that failed: the row, the values of the keys, and why."""
+    """Return row, values of keys and reason of the first points that failed."""
     keys = [_key(key, values, record) for key, values in record.vary.items()]
     rows = [row for row, code in enumerate(table.exit_codes) if code][:_MOST_FAILURES]
     whys = [record.failures.get(row) or outcome_of(table.exit_codes[row]) for row in rows]

@@ -96,7 +96,7 @@ def _thinned(found: list[_State]) -> tuple[list[_State], int]:
 
 
 def _said(found: list[_State], kept: list[_State], every: int) -> str:
-    """What was left out, in a sentence; empty where nothing was."""
+    """Return in a sentence what was left out; empty where nothing was."""
     said = []
     if every > 1:
         said.append(f"one of {every} contact points")

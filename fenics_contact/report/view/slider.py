@@ -100,7 +100,7 @@ def followers(
     times: Sequence[float],
     result: Outcome,
 ) -> dict[str, Any]:
-    """What is drawn into pictures as the slider is moved: curves, maps, and marks of the step.
+    """Return the drawings that follow the slider: curves, maps, and marks of the step.
 
     Args:
         contacts: Of the run.

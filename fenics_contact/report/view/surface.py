@@ -107,7 +107,7 @@ def _facets(cell: Cell, cells: Integers, points: Array) -> tuple[Integers, Array
 
 
 def _once(rows: Integers) -> Flags:
-    """Which rows have numbers that no other row has, in any order."""
+    """Return for each row whether no other row has the same numbers, in any order."""
     ordered = np.sort(rows, axis=1)
     keys = ordered[:, 0]
     for column in ordered[:, 1:].T:  # of two keys one, small enough for the next product

@@ -40,7 +40,7 @@ _BYTES_OF_A_CONTACT_POINT = 32  # beside these, of its curves or maps
 
 @dataclass(frozen=True)
 class View:
-    """What the view shows.
+    """Content of the view.
 
     Attributes:
         surface: With the fields `displacement`, `status` (a number of ``kinds``, or -1 off the
@@ -79,7 +79,7 @@ class View:
 
 
 def at_step(number: int, name: str) -> str:
-    """What a field of an earlier load step is called."""
+    """Return the name of a field of an earlier load step."""
     return f"{number}: {name}"
 
 
@@ -159,7 +159,7 @@ def _fields(
 
 
 def _own(body: UnstructuredGrid, result: Outcome) -> Iterator[tuple[PointArray, Array]]:
-    """What laws keep of their own at the nodes, vectors by their length, unless it is all zero."""
+    """Yield state variables of laws at the nodes that are not all zero, vectors by length."""
     arrays = [array for contact in result.contacts for array in contact.own_arrays]
     for array in of_several_contacts(arrays):
         values = np.asarray(body[array.name], dtype=float)

@@ -76,7 +76,7 @@ class WornHistory:
         return name if len(self.contacts) == 1 else f"contact.{number}.{name}"
 
     def title(self, contact: int) -> str:
-        """What pictures call a contact; empty where it is the only one.
+        """Return the title of a contact in pictures; empty for the only one.
 
         Args:
             contact: Its number.
@@ -96,7 +96,7 @@ class WornHistory:
 
 
 def read_worn(folder: Path, names: Sequence[str] = ()) -> WornHistory:
-    """What cycles that wear have left in their folder.
+    """Read the files of cycles that wear from their folder.
 
     Args:
         folder: With ``wear.csv`` and ``wear_profiles.csv``.
@@ -120,7 +120,7 @@ def read_worn(folder: Path, names: Sequence[str] = ()) -> WornHistory:
 
 
 def _require_contacts(columns: dict[str, Array], contacts: list[int]) -> None:
-    """That the cycles have the quantities of the contacts that their points are of.
+    """Refuse cycles without the quantities of the contacts of their points.
 
     Raises:
         ValueError: They have not.

@@ -84,7 +84,7 @@ def _steepest(history: WornHistory) -> float:
 
 
 def _with_bar(history: WornHistory, name: str, place: int) -> str:
-    """Such as ``0.00123 ± 0.00001``."""
+    """Return a value with its bar, such as ``0.00123 ± 0.00001``."""
     columns = history.columns
     row = {"total": float(columns[f"{name}_error"][place])}
     value, bar = rounded(float(columns[name][place]), row)
@@ -92,7 +92,7 @@ def _with_bar(history: WornHistory, name: str, place: int) -> str:
 
 
 def _outcome(history: WornHistory) -> str:
-    """What is worn in the end."""
+    """Return a sentence on the wear at the end."""
     return (
         f"After {history.cycles[-1]} cycles a volume of {_with_bar(history, WORN_VOLUME, -1)} "
         f"is worn, at the deepest {_with_bar(history, MAX_WEAR_DEPTH, -1)}."

@@ -172,7 +172,7 @@ def name_axis(panel: Axes, circle: Cylinder | None) -> None:
 
 
 def kinds_of(tables: list[ContactTable]) -> Integers:
-    """What the points do from each cycle to the next, of ``KINDS``, (cycles, points).
+    """Return the kinds (``KINDS``) of the points from cycle to cycle, (cycles, points).
 
     Args:
         tables: The points at the ends of the cycles.

@@ -87,7 +87,7 @@ def _on_surface(problem: Problem, contact: ContactSurface) -> list[tuple[int, fl
 
 
 def _area(contact: ContactSurface) -> float:
-    """Of the points of a contact's slave (area)."""
+    """Return the area of a contact's slave (area)."""
     return float(contact.trace.integral(np.ones(len(contact.trace.weights))))
 
 
@@ -113,6 +113,6 @@ def _mean_stress(forces: InternalForces) -> float:
 
 
 def _volume(spaces: Spaces) -> float:
-    """Of the body; of all ranks."""
+    """Return the volume of the body, of all ranks (volume)."""
     found = fem.assemble_scalar(form_cache.form(spaces.weight * spaces.bulk))
     return float(total(spaces.comm, found))

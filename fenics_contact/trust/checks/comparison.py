@@ -1,4 +1,4 @@
-"""What several checks share: the worst of many, where it is, and tolerances of round-off."""
+"""Shared by several checks: the worst of many values, its place, and tolerances of round-off."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _first(places: Array, size: float) -> Array:
 def balance(
     left: float, carried: float, imbalance: float, contact: str = "", kind: str = "", part: str = ""
 ) -> Check:
-    """What is left of forces that are to add up to zero, over their sum.
+    """Return the check of forces that must add up to zero: what is left, over their sum.
 
     Of a body that has been unloaded to nearly nothing, the accepted imbalance is most of what it
     carries: then over the forces that this has been accepted for.

@@ -40,7 +40,7 @@ def recovered_friction(forces: InternalForces, number: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class ComparedFriction:
-    """What friction checks compare at the nodes of a contact where nothing but friction acts.
+    """Quantities that friction checks compare at a contact's nodes where only friction acts.
 
     Attributes:
         contact: It has friction.

@@ -28,7 +28,7 @@ _LARGEST_RECOVERY = 0.8
 
 @dataclass(frozen=True, eq=False)
 class ComparedPressures:
-    """What the bulk needs at the nodes of a contact, in the components that no support holds.
+    """Forces that the bulk needs at a contact's nodes, in components that no support holds.
 
     In the others what it needs is also a reaction, of which any part along the normal would count
     as pressure. So forces are compared along what is left of the normal without these components.

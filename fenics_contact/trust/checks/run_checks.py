@@ -47,7 +47,7 @@ from fenics_contact.trust.resolution.unseen import unseen_contact
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """What all checks of a solution look at.
+    """A solution with the quantities that its checks compare.
 
     Attributes:
         forces: That the bulk needs.
@@ -59,17 +59,17 @@ class Solved:
 
     @cached_property
     def friction(self) -> list[ComparedFriction]:
-        """What is compared where there is friction; collective."""
+        """Compared quantities of contacts with friction; collective."""
         return compared_friction(self.forces)
 
     @cached_property
     def pressures(self) -> list[ComparedPressures]:
-        """What is compared of contacts that push; collective."""
+        """Compared quantities of contacts that push; collective."""
         return compared_pressures(self.forces)
 
 
 class Claimed:
-    """What a check of laws sees of a solution: the contacts whose laws claim it.
+    """The part of a solution for a check of laws: the contacts whose laws claim it.
 
     Args:
         name: Of the check.
@@ -89,13 +89,13 @@ class Claimed:
 
     @property
     def friction(self) -> list[ComparedFriction]:
-        """What is compared of those with friction; collective."""
+        """Compared quantities of its contacts with friction; collective."""
         found = self._solved.friction if self.numbers else []
         return [compared for compared in found if self._name in compared.contact.checks]
 
     @property
     def pressures(self) -> list[ComparedPressures]:
-        """What is compared of those that push; collective."""
+        """Compared quantities of its contacts that push; collective."""
         found = self._solved.pressures if self.numbers else []
         return [compared for compared in found if self._name in compared.contact.checks]
 
@@ -145,7 +145,7 @@ def run_checks(forces: InternalForces, steps: int = 1) -> dict[str, Check]:
 
 
 def all_checks(forces: InternalForces, steps: int) -> dict[str, Check | None]:
-    """As ``run_checks``, with None for those that find nothing to compare; collective."""
+    """Return all checks by name, None for those that find nothing to compare; collective."""
     for contact in forces.problem.contacts:
         unknown = sorted({*contact.checks} - {*OF_LAWS})
         if unknown:

@@ -46,7 +46,7 @@ class Corner:
 
 
 def singular_corners(problem: Problem, states: Sequence[ContactState]) -> list[Corner]:
-    """Those of a solution; collective.
+    """Return the corners of a solution where stress has no bound; collective.
 
     Args:
         problem: Its model.
@@ -123,7 +123,7 @@ def _boundary(problem: Problem) -> Array:
 
 
 def _of_group(problem: Problem, name: str, facets: AnyIntegers) -> Flags:
-    """Which facets are of a group, none of one of cells."""
+    """Return for each facet whether it is of a group; none is of a group of cells."""
     group = problem.spaces.body.find(name)
     if group is None or group.dimension != 1:
         return np.zeros(len(facets), dtype=bool)
@@ -131,7 +131,7 @@ def _of_group(problem: Problem, name: str, facets: AnyIntegers) -> Flags:
 
 
 def _pressed_points(contact: ContactSurface, state: ContactState) -> Array:
-    """Of all ranks: place, pressure, friction traction and whether it sticks, (points, 6)."""
+    """Return place, pressure, friction traction and sticking of all ranks' points, (points, 6)."""
     pressure = state.contact_pressure
     least = _PRESSED * largest(contact.spaces.comm, pressure)
     mine = contact.trace.owned & (state.status != OPEN) & (pressure > least)

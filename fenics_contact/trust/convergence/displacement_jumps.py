@@ -176,7 +176,7 @@ def _by_node(rows: Array) -> Iterator[Array]:
 
 
 def _jump(rows: Array) -> Jump:
-    """What conditions on one displacement leave unmet at the least, and whose these are."""
+    """Return the least that conditions on one displacement leave unmet, and their owners."""
     left = _unmet(rows[:, _OF], rows[:, _RIGHT], rows[:, _IS_EQUATION] > 0)
     sizes = np.abs(left)
     part = rows[sizes > 1e-3 * sizes.max(initial=0.0)]

@@ -1,4 +1,4 @@
-"""What quantities did from mesh to mesh: whether they bear their error bars out, or run away.
+"""Quantities from mesh to mesh: whether they confirm their error bars, or run away.
 
 A quantity that converges moves from one mesh to the next by less than the bars of both, and less
 and less. One that does not, such as a force where displacements jump, grows by about as much with
@@ -136,7 +136,7 @@ def _without_bar(found: Held, key: Reaction, keys: Sequence[Hashable]) -> Held:
 
 
 def said(keys: Sequence[Hashable], result: Result) -> str:
-    """That quantities run away, in words."""
+    """Return in words that quantities run away."""
     words = []
     for key in keys:
         if isinstance(key, Reaction):

@@ -24,7 +24,7 @@ _GIVEN = 1e-6
 
 
 class Unbounded:
-    """What of a solution does not converge; collective.
+    """Quantities of a solution that do not converge; collective.
 
     Args:
         problem: In the state of the answer.

@@ -50,7 +50,7 @@ def _zeros(angle: float, friction: float | None, kolosov: float) -> int:
 
 
 def _conditions(powers: Array, angle: float, friction: float | None, kolosov: float) -> Array:
-    """What both faces ask of the four coefficients of each power, (powers, 4, 4).
+    """Return both faces' conditions on the four coefficients of each power, (powers, 4, 4).
 
     Of Airy's function r^(λ+1) F(θ) with F of cosines and sines of (λ ± 1) θ.
     """

@@ -151,7 +151,7 @@ def _by_scalar(rows: Mapping[Hashable, Row]) -> dict[str, dict[str, Row]]:
 
 
 def unknown_budget(scene: Scene, step: StepRecord) -> ErrorBudget:
-    """Of errors that were asked for, and not estimated: no quantity has a bar.
+    """Return the budget of errors that could not be estimated: no quantity has a bar.
 
     Args:
         scene: That was solved.
@@ -170,7 +170,7 @@ def unknown_budget(scene: Scene, step: StepRecord) -> ErrorBudget:
 
 
 def _named(quantities: Quantities) -> list[str]:
-    """Those that have a true value."""
+    """Return the names of quantities that have a true value."""
     return [name for name in known_quantities(quantities) if isinstance(name, str)]
 
 
@@ -231,7 +231,7 @@ def _sum(values: Sequence[float | None]) -> float | None:
 
 
 def _of_work(rows: Mapping[str, Row], defect: float | None, none: Set[str]) -> Row:
-    """Of the work along a path: it went into energies and friction, so it is as wrong as these.
+    """Return the error of the work along a path: that of the energies and friction it went into.
 
     Args:
         rows: Of other quantities.

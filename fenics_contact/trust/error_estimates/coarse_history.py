@@ -110,7 +110,7 @@ class CoarseHistory:
         return every if all(len(part) > 1 for part in self._parts) else self._with_single(every)
 
     def _share(self, path: Parts) -> float:
-        """Of a difference of two answers, what the errors of the history are."""
+        """Return the errors of the history over a difference of two answers."""
         begins = [0.0, *(part[-1] for part in self._parts)]
         growths = [
             _squares(begin, other) / _squares(begin, part)

@@ -75,7 +75,7 @@ class Estimates:
         self._takes_all = self._wants_all or len(self._times) <= _SHORT
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
-        """Of all sources by name, with {} for one that the scene does not have; and notes."""
+        """Return the errors of all sources, {} for one that the scene lacks; and notes."""
         return {source: self._of(source) for source in SOURCES}, self._notes
 
     def _has(self, source: str) -> bool:
@@ -216,7 +216,7 @@ class Estimates:
         return found
 
     def _shared(self) -> dict[Hashable, float]:
-        """What is not known of reactions where supports meet; collective."""
+        """Return the unknown part of reactions where supports meet; collective."""
         problem, last = self._problem, self._load_steps.last
         assert last is not None
         needed = BulkForces(problem, last.solution).unbalanced.reshape(-1)

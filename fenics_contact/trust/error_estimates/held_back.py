@@ -1,4 +1,4 @@
-"""What share of its energy a body has because its mesh holds it back.
+"""Share of a body's energy that exists because its mesh is too stiff.
 
 A thin body shears where its elements cannot bend: it is much too stiff under given forces, and its
 local errors are as large as the solution. Forces that stand for these move it by the share s of
@@ -33,7 +33,7 @@ _DECIDED = 1e-6
 
 
 class HeldBack:
-    """Of a solution, by what forces that stand for its local errors do to it.
+    """Share of a solution's energy due to its mesh, by forces that represent local errors.
 
     Args:
         problem: The model.
@@ -74,7 +74,7 @@ class HeldBack:
 
     @property
     def all_steps(self) -> float:
-        """What all steps to the answer make over the first one.
+        """Sum of all steps to the answer over the first one.
 
         Of a mesh that is too stiff no more is said than of one that nearly is.
         """

@@ -19,7 +19,7 @@ Errors = Mapping[Hashable, float]
 
 
 class OfCycles:
-    """What errors of the friction work in a load step are of the loss of a cycle.
+    """Errors of the loss of a cycle, from errors of the friction work in load steps.
 
     Args:
         cycles: Of the scene, if any.

@@ -45,7 +45,7 @@ class Measured:
         self._of_answer: dict[Hashable, QuantityValue] = {}
 
     def __call__(self, solution: Solution) -> dict[Hashable, QuantityValue]:
-        """Of a solution; collective."""
+        """Return the quantities of a solution; collective."""
         if solution is not self._answer:
             return measured(self._problem, solution, self._forces(solution))
         if not self._of_answer:
@@ -53,7 +53,7 @@ class Measured:
         return self._of_answer
 
     def _forces(self, solution: Solution) -> InternalForces:
-        """What the bulk needs in the present state; collective."""
+        """Return the forces that the bulk needs in the present state; collective."""
         problem, system = self._problem, self._system
         follows = problem.elastic.mixed is not None or problem.body_scalars
         if follows or not isinstance(system, CondensedSystem) or _rows(problem) > _MOST_ROWS:
@@ -107,7 +107,7 @@ def recorded(
 
 
 def _losses_of_cycles(problem: Problem, solution: Solution) -> dict[Hashable, QuantityValue]:
-    """Of each cycle of loads up to now, at each contact and in all; collective."""
+    """Return the losses of each cycle up to now, at each contact and in all; collective."""
     cycles = cycles_of(problem.scene)
     if cycles is None:
         return {}
@@ -124,7 +124,7 @@ def _losses_of_cycles(problem: Problem, solution: Solution) -> dict[Hashable, Qu
 
 
 def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
-    """Of each support, and of those of each name together."""
+    """Return the reactions of each support, and of all supports of each name."""
     found: dict[Hashable, QuantityValue] = {
         Reaction(number): row.reaction for number, row in enumerate(supports)
     }
@@ -132,7 +132,7 @@ def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
 
 
 def known_quantities(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityValue]:
-    """Those that have a true value, and one here: the force along no axis is none.
+    """Return the quantities that have a true value, and a value here.
 
     Args:
         quantities: By their names.

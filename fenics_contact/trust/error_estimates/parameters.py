@@ -140,7 +140,7 @@ def _regularise_less(left: float, problem: Problem) -> None:
 
 
 def _sharper(load_steps: LoadSteps, measure: Measure) -> Quantities | None:
-    """Of the answer after more of Newton's method; None where that leads away; collective."""
+    """Return quantities after more Newton steps; None where these lead away; collective."""
     assert load_steps.last is not None
     newton = load_steps.newton
     begin_at_answer(load_steps)
@@ -165,7 +165,7 @@ def _sharper(load_steps: LoadSteps, measure: Measure) -> Quantities | None:
 
 
 def _one_more_pass(load_steps: LoadSteps, measure: Measure) -> Quantities | None:
-    """Of contact and friction with the bound of the answer's pressure; collective."""
+    """Return quantities after one more pass with the bound of the answer's pressure; collective."""
     newton = load_steps.newton
     begin_at_answer(load_steps)
     newton.begin.from_last_step()

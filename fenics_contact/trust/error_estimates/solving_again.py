@@ -127,7 +127,7 @@ class AlongLine:
         self._size = 0.0
 
     def at(self, size: float) -> AlongLine:
-        """The same, for a size that comes next."""
+        """Return itself, for the size that comes next."""
         self._size = size
         return self
 

@@ -26,7 +26,7 @@ _MAY_TURN = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Deformation:
-    """What a displacement does at points of this rank's own cells.
+    """Deformation by a displacement at points of this rank's own cells.
 
     Attributes:
         strain: Largest principal strain by size, (points,).
@@ -76,7 +76,7 @@ class CellPoints:
             self._thickness_law = law.with_values(lambda given: self._value_of(given, reference))
 
     def _operators(self, table: Array, jacobians: Array) -> tuple[csr_matrix, csr_matrix]:
-        """What takes nodal values to those at the points, and to their derivatives.
+        """Return the matrices from nodal values to those at the points, and to their derivatives.
 
         Args:
             table: Of shape functions, then of their derivatives, (1 + dimension, points, nodes, 1).
@@ -101,7 +101,7 @@ class CellPoints:
         )
 
     def deformation(self, displacement: Array) -> Deformation:
-        """Of a displacement at the nodes of this rank, (nodes, components) (length)."""
+        """Return the deformation by a displacement at this rank's nodes, (nodes, components)."""
         size = self._spaces.components
         moved = self._values @ displacement
         gradient = (self._slopes @ displacement).reshape(size, -1, size)  # (by, points, of)
@@ -129,7 +129,7 @@ class CellPoints:
         return np.zeros(len(moved))
 
     def _value_of(self, coefficient: Expr | float, reference: Array) -> Array | float:
-        """Of a material's coefficient at the points."""
+        """Return the values of a material's coefficient at the points."""
         if isinstance(coefficient, fem.Function):
             space = coefficient.function_space
             table = space.ufl_element().tabulate(0, reference)[0]

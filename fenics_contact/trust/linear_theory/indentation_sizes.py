@@ -87,7 +87,7 @@ class IndentationSize:
 
 
 def _width(contact: ContactSurface) -> float:
-    """Of an obstacle, its radius, or half its width; infinite where it has none (length)."""
+    """Return the radius or half width of an obstacle; infinite where it has none (length)."""
     obstacle = contact.contact.obstacle
     if obstacle is None or obstacle.radius is None:
         return np.inf

@@ -49,7 +49,7 @@ class LinearRange:
         self._sides = [self._side(axis, at) for axis, at in problem.discrete.held.flat_sides]
 
     def of(self, solution: Solution) -> dict[str, dict[str, Any]]:
-        """Of a load step, in whose state the model is; collective.
+        """Return the sizes of a load step, in whose state the model is; collective.
 
         Returns:
             What → its largest value, and the ``part`` or the surface (``on``) that has it: the
@@ -112,7 +112,7 @@ def _worst(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def worst_step(steps: Sequence[Mapping[str, Any]], what: str) -> dict[str, Any] | None:
-    """Of load steps as in ``result.json``, the row of the one where something is largest.
+    """Return the row of the load step, as in ``result.json``, where something is largest.
 
     Args:
         steps: Those of a run.

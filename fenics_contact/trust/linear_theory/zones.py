@@ -104,7 +104,7 @@ class Zones:
         return corners.mean(axis=1), float(_areas(corners, dimension).sum())
 
     def _near(self, name: str, places: Array, area: float) -> Zone | None:
-        """What is no farther from some places than the size of their area; collective.
+        """Return the zone no farther from places than the size of their area; collective.
 
         Args:
             name: Of the zone.
@@ -129,7 +129,7 @@ class Zones:
         return self._zone(name, candidates[np.isfinite(distances)], is_near=True)
 
     def _zone(self, name: str, chosen: Flags | Integers, is_near: bool = False) -> Zone | None:
-        """Of points; None if no rank has any; collective."""
+        """Return the zone of points; None if no rank has any; collective."""
         numbers = np.arange(len(self._points.volumes))[chosen]
         volumes = self._points.volumes[numbers]
         volume = float(total(self._problem.comm, volumes.sum()))
@@ -192,5 +192,5 @@ def exceeded(comm: MPI.Comm, zone: Zone, values: Array) -> float:
 
 
 def share(comm: MPI.Comm, zone: Zone, flags: Flags) -> float:
-    """Of a zone's volume, what is at points with a flag; collective."""
+    """Return the share of a zone's volume at points with a flag; collective."""
     return float(total(comm, zone.volumes[flags[zone.points]].sum())) / zone.volume

@@ -45,7 +45,7 @@ class CoarseContact:
 
 
 def coarse_contacts(load_steps: LoadSteps) -> list[CoarseContact]:
-    """Of an answer, the same on every rank but for ``finer``; collective.
+    """Return the contacts of an answer that cells are too coarse for; collective.
 
     Args:
         load_steps: At their end; all is there again afterwards.
@@ -97,7 +97,7 @@ def notes_on(coarse: Sequence[CoarseContact]) -> list[str]:
 
 
 def without_bars(keys: Iterable[Hashable], coarse: Sequence[CoarseContact]) -> list[Hashable]:
-    """Of the keys of quantities, those of which the mesh does not tell how wrong they are.
+    """Return the keys of quantities whose error the mesh is too coarse to tell.
 
     Args:
         keys: As of ``Measured``.

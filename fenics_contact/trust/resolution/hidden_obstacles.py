@@ -42,7 +42,7 @@ class Hidden:
 
 
 def hidden_obstacles(problem: Problem) -> list[Hidden]:
-    """Of all contacts, before the first load step; collective."""
+    """Return the obstacles hidden between points, before the first load step; collective."""
     found = [_hidden(problem, contact) for contact in problem.contacts if contact.is_one_sided]
     return [one for one in found if one is not None]
 

@@ -37,7 +37,7 @@ class ThinContact:
 
 
 def thin_contact(contact: ContactSurface, state: ContactState) -> ThinContact | None:
-    """Of a contact that pushes; None where its points tell what touches; collective.
+    """Return how thin a contact is; None where its points tell what touches; collective.
 
     Args:
         contact: The contact.
@@ -63,7 +63,7 @@ def thin_contact(contact: ContactSurface, state: ContactState) -> ThinContact | 
 
 
 def _near_surrounded(contact: ContactSurface, closed: Flags) -> Flags:
-    """Which nodes that are points have one beside them, or are one, all around which it touches."""
+    """Return for each nodal point whether it, or a neighbour, touches all around."""
     trace, pieces = contact.trace, contact.trace.pieces
     surface = trace.surface
 

@@ -84,7 +84,7 @@ def _shares(depth: Array, closes: Array) -> Array:
 
 
 def unseen_contact(forces: InternalForces) -> Check | None:
-    """What sinks in between points, over itself and what pressure closes there; collective."""
+    """Return the check of depths between points, over themselves and the closed gap; collective."""
     worst: Check | None = None
     for number, contact in enumerate(forces.problem.contacts):
         if not contact.is_one_sided:

@@ -1,4 +1,4 @@
-"""What the depth between points does to an answer: what stands opposite sinks in there, unresisted.
+"""Effect of unresisted depths between points on an answer.
 
 The last load step is solved again with gaps narrower by that depth at the points that touch beside
 it: what stands opposite is pushed in as far as it would have to be, were the surface closed there.

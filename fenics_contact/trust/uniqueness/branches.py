@@ -31,7 +31,7 @@ _ALONG = 0.1
 
 @dataclass(frozen=True)
 class Start:
-    """What all points of Coulomb contacts do when Newton's method begins.
+    """State of all points of Coulomb contacts at the start of Newton's method.
 
     Attributes:
         name: In words.
@@ -138,7 +138,7 @@ def _slip(contact: ContactSurface, way: tuple[float, ...]) -> Array:
 
 
 def _shift(contact: ContactSurface, start: Start) -> Array:
-    """What takes the slave's nodes to where a start has them, at the body's nodes; collective."""
+    """Return the displacement of a slave's nodes to their start, at body nodes; collective."""
     kinematics, trace = contact.kinematics, contact.trace
     depth = _DEPTH * contact.facet_size * (1.0 if start.closed else -1.0)
     gap = np.where(kinematics.reached, kinematics.gap, 0.0)

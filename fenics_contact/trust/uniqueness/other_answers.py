@@ -21,7 +21,7 @@ from fenics_contact.trust.uniqueness.critical_coefficient import uniqueness_limi
 
 @dataclass(frozen=True)
 class OtherAnswers:
-    """What is known of answers beside the one that a run reports.
+    """Answers other than the one that a run reports, as far as known.
 
     Attributes:
         limits: Of each contact with Coulomb's friction, by its name: the coefficient up to which

@@ -66,14 +66,14 @@ class Edge:
     cut: float
 
     def moved(self, one: Quantities, other: Quantities) -> float:
-        """By how many pieces it moves between two answers."""
+        """Return by how many pieces the edge moves between two answers."""
         key: Hashable = (self.contact, self.area)
         return abs(float(np.subtract(one[key], other[key]))) / self.cut
 
 
 @dataclass(frozen=True)
 class _Shift:
-    """What moves edges: nodal forces, (nodes, components), and what the coefficient changes by."""
+    """Change that moves edges: nodal forces, (nodes, components), and change of the coefficient."""
 
     forces: Array
     strength: float
@@ -95,7 +95,7 @@ def edges_inside(problem: Problem, solution: Solution) -> list[Edge]:
 
 
 def standing(edges: Sequence[Edge], rows: Sequence[Quantities]) -> list[Edge]:
-    """Those that hardly move from one of several answers to another."""
+    """Return the edges that hardly move from one of several answers to another."""
     return [
         edge
         for edge in edges
@@ -136,7 +136,7 @@ def shifted_answers(
 def _to_a_side(
     load_steps: LoadSteps, measure: Measure, shift: _Shift, sizes: Array
 ) -> list[tuple[float, Quantities]]:
-    """Of sizes of one sign, up to the first that has no answer; collective."""
+    """Return answers for sizes of one sign, up to the first that has none; collective."""
     rows = []
     for size in sizes:
         change = _by(shift.times(size), load_steps.time)
@@ -219,7 +219,7 @@ def _spreading(problem: Problem, solution: Solution, edges: Sequence[Edge]) -> A
 
 
 def _pull(contact: ContactSurface, state: ContactState) -> Array:
-    """Of one contact, at all nodes of its surface, (nodes, components) (force); collective.
+    """Return the force on one contact at its surface's nodes, (nodes, components); collective.
 
     Its traction is the first size at the mean of squared distances from the middle. None of one
     that touches in a single point.

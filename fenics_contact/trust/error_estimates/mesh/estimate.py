@@ -202,7 +202,7 @@ def _doubt(problem: Problem, solution: Solution) -> float:
 
 
 def _energies(answer: Quantities, error: float) -> dict[Hashable, float]:
-    """What the energy of local errors does to energies and works.
+    """Return the changes of energies and works by the energy of local errors.
 
     To the friction work in the root of the share that it has of the strain energy: friction's share
     of the errors works on those of the whole body at the most (Cauchy and Schwarz).
@@ -229,7 +229,7 @@ def _changes(
     drawn: Again,
     held: HeldBack,
 ) -> tuple[dict[Hashable, float], dict[Hashable, float]] | None:
-    """What the local errors change, and what such errors would with signs at random; collective.
+    """Return the changes by local errors, and by such errors with random signs; collective.
 
     The first of these says how much the mesh holds the body back.
     """
@@ -267,7 +267,7 @@ def _disturb(forces: Disturbance, on_scalars: Array, last: float, problem: Probl
 
 
 def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float | None]:
-    """What is added for areas and peaks of pressure, at each contact and in all; collective.
+    """Return additions for areas and peak pressures, at each contact and in all; collective.
 
     None for peaks that may have no bound.
     """
@@ -309,14 +309,14 @@ def _place_of_edge(cut: float, zone: float) -> float:
 def _radii_cut(
     contact: ContactSurface, state: ContactState, cuts: dict[str, float]
 ) -> dict[str, float]:
-    """What areas at the edges are of the radii of discs, dA = 2πr dr; collective."""
+    """Return the errors of discs' radii by areas at their edges, dA = 2πr dr; collective."""
     areas = {CONTACT_RADIUS: CONTACT_AREA, STICK_RADIUS: STICK_AREA}
     found = radii(Zones(contact, state))
     return {name: cuts[areas[name]] / (2 * np.pi * r) for name, r in found.items() if r}
 
 
 def _peak_error(forces: BulkForces, number: int) -> float | None:
-    """Of the largest pressure of a contact, None if it may have no bound; collective."""
+    """Return the error of a contact's largest pressure, None if that has no bound; collective."""
     problem, contact = forces.problem, forces.problem.contacts[number]
     if contact.normal.pressure_is_known:
         return 0.0

@@ -28,7 +28,7 @@ Drawn = list[tuple[Array, Array]]
 
 
 def drawn_forces(local: LocalErrors, draws: int) -> Drawn:
-    """Of the errors as they are, then with signs drawn; collective.
+    """Return the forces of the errors as they are, then with random signs; collective.
 
     Args:
         local: Solved.

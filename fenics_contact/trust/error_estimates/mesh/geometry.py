@@ -109,7 +109,7 @@ def _again(
 def _beside_forces(
     answer: Quantities, body: MissedBody, forces: MissedForces | None, load_steps: LoadSteps
 ) -> dict[Hashable, float]:
-    """What is missed of quantities themselves, besides what moves the solution; collective."""
+    """Return the missed parts of quantities, besides those that move the solution; collective."""
     found: dict[Hashable, float] = {}
     if forces is not None:
         energy = abs(forces.elastic) / 2

@@ -170,14 +170,14 @@ def _over(
 def _behind_kinks(
     problem: Problem, rows: Sequence[tuple[float, Quantities]]
 ) -> list[tuple[float, Quantities]]:
-    """Of pseudo-times and quantities those from the last to the first that have all its edges."""
+    """Return times and quantities, back from the last to the first with all its edges."""
     ordered = sorted(rows, key=lambda row: -row[0])
     wanted = _zones(problem, ordered[0][1])
     return list(takewhile(lambda row: _zones(problem, row[1]) == wanted, ordered))
 
 
 def _zones(problem: Problem, found: Quantities) -> list[bool]:
-    """Of each contact, whether it touches, does so all over, and sticks somewhere."""
+    """Return for each contact whether it touches, touches all over, and sticks somewhere."""
     flags = []
     for number, contact in enumerate(problem.contacts):
         touches, sticks = (
@@ -242,7 +242,7 @@ def _left_of_waves(
 
 
 def piece_share(pairs: Iterable[tuple[ContactSurface, ContactState]]) -> float:
-    """What an edge's passing of a piece changes of the area in contact, or that sticks; collective.
+    """Return the share of the contact or stick area that changes as an edge passes a piece.
 
     The larger of both, of all contacts; 0 without edges.
 

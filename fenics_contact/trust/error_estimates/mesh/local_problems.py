@@ -151,7 +151,7 @@ class LocalErrors:
         return float(np.sqrt(total(self._problem.comm, self.squared.sum())))
 
     def at_points(self) -> dict[str, float]:
-        """What displacements at the scene's points are off by besides those of nodes; collective.
+        """Return errors of displacements at the scene's points, besides those of nodes; collective.
 
         The length of e there, by quantity.
         """
@@ -182,7 +182,7 @@ class LocalErrors:
         return found, on_scalars
 
     def _error_stress(self) -> Expr:
-        """What the errors are in stress, (3, 3)."""
+        """Return the stress of the errors in UFL, (3, 3)."""
         found = self._problem.elastic.displacement_stress(self._error)
         return found if self._mean_stress is None else found + self._mean_stress.error
 
@@ -255,7 +255,7 @@ class LocalErrors:
         )
 
     def _stiffnesses(self) -> Array:
-        """Of every cell of this rank, by its block of dofs, (cells, dofs, dofs)."""
+        """Return the stiffness of every cell of this rank, (cells, dofs, dofs)."""
         spaces, elastic = self._problem.spaces, self._problem.elastic
         trial = ufl.TrialFunction(self._space)
         stress = spaces.weight * elastic.displacement_stress(trial)
@@ -296,7 +296,7 @@ def _rule(spaces: Spaces, more: int) -> dict[str, int]:
 
 
 def _nodal_forces(forces: BulkForces, contact: ContactSurface, trace: Trace) -> Array:
-    """What a contact exerts on one of its surfaces, at its nodes (force); collective."""
+    """Return the forces of a contact on one of its surfaces, at its nodes (force); collective."""
     problem = forces.problem
     number = problem.contacts.index(contact)
     at_nodes = contact.trace.at_all_nodes(forces.solution.contact_force[number])

@@ -26,7 +26,7 @@ from fenics_contact.problem.problem import Problem
 
 
 class MeanStressErrors:
-    """What a mean stress adds to the local problems of a body.
+    """The mean stress in the local problems of a body.
 
     Args:
         problem: The model, with a mean stress as an unknown.
@@ -63,7 +63,7 @@ class MeanStressErrors:
 
     @property
     def error(self) -> Expr:
-        """Of the stress, (3, 3)."""
+        """Error of the stress by the mean stress in UFL, (3, 3)."""
         return self._function * ufl.Identity(3)
 
     def coupled(self, stiffnesses: Array) -> Array:
@@ -101,7 +101,7 @@ class MeanStressErrors:
 
 
 def _combinations(space: FunctionSpace, degree: int) -> Array:
-    """Of a cell's basis functions those that mean stresses' errors are made of, (dofs, count).
+    """Return combinations of a cell's basis functions for errors of mean stresses, (dofs, count).
 
     All of them; of triangles of degree 2 those without a mean. Their bubbles are odd about the
     middle of each edge, so that no cell has another volume by them: its mean stress would have to
@@ -124,7 +124,7 @@ def _by_block(space: FunctionSpace, blocks: Integers) -> Integers:
 
 
 def _blocks(form: fem.Form, rows: Integers, columns: Integers) -> Array:
-    """Of every cell, (cells, rows, columns)."""
+    """Return the block of a form in every cell, (cells, rows, columns)."""
     matrix = fem.assemble_matrix(form).to_scipy().tocsr()
     shape = (*rows.shape, columns.shape[1])
     of_rows = np.broadcast_to(rows[:, :, None], shape).ravel()

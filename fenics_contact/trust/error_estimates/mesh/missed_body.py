@@ -1,4 +1,4 @@
-"""What a mesh misses of a body and its loads, as forces and energies.
+"""Parts of a body and its loads that a mesh misses, as forces and energies.
 
 That is what lies between facets and the curves that they stand for, and what functions that loads
 are given by are between nodes.
@@ -32,7 +32,7 @@ from fenics_contact.trust.error_estimates.mesh.missed_pressure import (
 
 @dataclass(frozen=True)
 class MissedForces:
-    """What a solution would feel of it.
+    """Forces of the missed parts, and their work on a solution.
 
     Attributes:
         nodal: All forces, (nodes, components) (force).
@@ -46,7 +46,7 @@ class MissedForces:
 
 
 class MissedBody:
-    """Of a body and its loads, what the mesh misses; collective.
+    """Parts of a body and its loads that the mesh misses; collective.
 
     The outer boundary of a half-space is none of a body's: it moves as the far field does there.
 
@@ -102,7 +102,7 @@ class MissedBody:
         return found
 
     def of_pressure(self, number: int, time: float) -> MissedPressure | None:
-        """What is missed of a contact's pressure that is given; None for nothing; collective."""
+        """Return the missed part of a contact's given pressure; None for nothing; collective."""
         return missed_pressure(self._problem.contacts[number], self._sides, time)
 
     def longer(self, number: int) -> float:
@@ -140,7 +140,7 @@ class MissedBody:
         return of_held - of_others
 
     def _glued(self) -> Flags:
-        """Which facets are glued to obstacles."""
+        """Return for each facet whether it is glued to an obstacle."""
         found = np.zeros(len(self._sides.facets), dtype=bool)
         for contact in self._problem.contacts:
             if contact.normal.sticks and contact.contact.obstacle is not None:

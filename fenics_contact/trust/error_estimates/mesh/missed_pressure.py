@@ -1,4 +1,4 @@
-"""What a mesh misses of a contact pressure that is given.
+"""Part of a given contact pressure that a mesh misses.
 
 Between its nodes a function is interpolated, and so are normals: at the ends of a curved surface
 these are those of the last facet. The pressure as it is given acts on facets, and on what these
@@ -24,7 +24,7 @@ from fenics_contact.problem.loads.pressure import Pressure
 
 @dataclass(frozen=True)
 class MissedPressure:
-    """Of one contact.
+    """Missed part of one contact's given pressure.
 
     Attributes:
         nodal: Forces, (nodes, components) (force).
@@ -40,7 +40,7 @@ class MissedPressure:
 def missed_pressure(
     contact: ContactSurface, sides: CurvedSides, time: float
 ) -> MissedPressure | None:
-    """What is missed of a contact's pressure; collective.
+    """Return the missed part of a contact's given pressure; collective.
 
     Args:
         contact: The contact.

@@ -42,7 +42,7 @@ _MUCH = 0.5
 
 @dataclass(frozen=True)
 class PinnedFriction:
-    """What is not known of a contact's friction force, and who takes it.
+    """Unknown part of a contact's friction force, and what takes it up.
 
     Attributes:
         at_supports: By number, in the order of ``Problem.applied_supports``, beside nodes that
@@ -57,12 +57,12 @@ class PinnedFriction:
 
     @property
     def whole(self) -> float:
-        """Of the contact's friction force (force)."""
+        """Whole unknown part of the contact's friction force (force)."""
         return sum(self.at_supports.values()) + sum(self.at_contacts.values())
 
 
 def pinned_friction(problem: Problem, solution: Solution) -> list[PinnedFriction]:
-    """Of every contact, in scene order; collective."""
+    """Return the unknown friction force of every contact, in scene order; collective."""
     pairs = list(zip(problem.contacts, solution.states, strict=True))
     supports = [_held_axes(problem, support.dofs) for support in problem.applied_supports]
     contacts = [[_pressed_along(contact, state)] for contact, state in pairs]
@@ -111,7 +111,7 @@ def unknown_by_pinned(problem: Problem, solution: Solution) -> dict[Hashable, fl
 
 
 def _sum(contact: ContactSurface, state: ContactState, holds: list[Array]) -> tuple[float, float]:
-    """Of several directions at the body's nodes: force and area; collective."""
+    """Return force and area of a contact in several directions at the nodes; collective."""
     if not contact.friction.has_friction:
         return 0.0, 0.0
     parts = [_unknown(contact, state, held[contact.nodes]) for held in holds]
@@ -174,7 +174,7 @@ def _unknown(contact: ContactSurface, state: ContactState, held: Array) -> tuple
 
 
 def _uses_much(contact: ContactSurface, state: ContactState) -> Flags:
-    """Which nodes slip, or carry more than half of what friction could."""
+    """Return for each node whether it slips, or carries more than half of its friction bound."""
     carried = contact.friction.rule.metric.carried(state.friction_traction)
     used = carried > _MUCH * contact.friction.bound_of(state.contact_pressure)
     found = (state.status == SLIP) | ((state.status != OPEN) & used)

@@ -53,7 +53,7 @@ def torn_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float
 
 
 def _missed(problem: Problem, displacement: Array, time: float) -> Array:
-    """By how much held nodes miss what others ask of them, at the body's nodes; collective."""
+    """Return how far held nodes are from where others want them (length); collective."""
     missed = np.zeros_like(displacement)
     for contact in problem.contacts:
         if contact.has_penalty and not contact.kinematics.faces_body:

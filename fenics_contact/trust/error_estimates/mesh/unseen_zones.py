@@ -46,7 +46,7 @@ _RISES = 2**_POWERS / (1 - _POWERS)
 
 
 def unseen_zones(problem: Problem, solution: Solution) -> dict[Hashable, float]:
-    """What is not known of quantities by slip and gaps that no point shows; collective.
+    """Return errors of quantities by slip and gaps that no point shows; collective.
 
     Args:
         problem: The model.
@@ -90,7 +90,7 @@ def _unseen_gap(contact: ContactSurface, state: ContactState) -> float:
 
 
 def _unseen_slip(problem: Problem, solution: Solution) -> dict[Hashable, float]:
-    """What is not known of areas, slips and friction works of such contacts; collective.
+    """Return errors of areas, slips and friction works by unseen slip; collective.
 
     Args:
         problem: The model.
