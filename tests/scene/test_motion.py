@@ -37,7 +37,7 @@ PLANE = Obstacle("plane", position=(0.0, 0.0), normal=(0.0, 1.0))
         ),
         (
             {"contact": (Contact("y0", normal_law=BY_FORMULA, obstacle=PLANE),)},
-            "only contacts that are unilateral",
+            "only contacts that are prescribed, unilateral",
         ),
         (
             {"contact": (Contact("y0", obstacle=Obstacle("plane", normal=(0.0, 1.0), force=3)),)},
