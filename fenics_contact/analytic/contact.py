@@ -210,7 +210,7 @@ def partial_slip_loss(
 
 
 def pressing_loss(coefficient: float, poissons_ratio: float) -> float:
-    """What pressing a paraboloid and taking it back dissipates, over the work of pressing.
+    """Return the loss of pressing a paraboloid and taking it back, over the work of pressing.
 
     6/π (π/4 − 2/3) (1 − 2ν)/(1 − ν) μ, for so little friction that all of the contact slips and
     moves as without: ∫∫ μ p |∂u_r/∂a| 2πr dr da with Hertz's pressure p and radial displacement

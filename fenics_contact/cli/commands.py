@@ -1,4 +1,4 @@
-"""What the commands of ``fenics-contact`` do."""
+"""Actions of the commands of ``fenics-contact``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `check` says of loads that come again, and of contacts that wear."""
+"""Sentences of `check` on repeated loads, and on contacts that wear."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _cycles(scene: Scene, cycles: Cycles) -> str:
 
 
 def _wear(contact: Contact, wear: Wear, names: UnitNames | None) -> str:
-    """By which law a contact wears, and where."""
+    """Return in words by which law a contact wears, and where."""
     given = wear.coefficient
     value = f"{given:.6g}" if isinstance(given, float | int) else "that varies"
     unit = "" if names is None else f" {names.of(measured_by('coefficient', Wear))}"

@@ -1,4 +1,4 @@
-"""What the command line takes, and says when asked for help; nothing of FEniCSx, to start fast."""
+"""Options and help of the command line; nothing of FEniCSx, to start fast."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _EPILOGS = {"run": f"{texts.RUN_EXAMPLES}\n\n{texts.EXIT_CODES}", "sweep": sweep
 
 
 class _Formatter(argparse.HelpFormatter):
-    """As wide as the terminal; indented lines, as of examples, stay as they are."""
+    """Help as wide as the terminal; indented lines, as of examples, stay as they are."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=26)
@@ -79,7 +79,7 @@ def is_first_rank() -> bool:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """What the words after ``fenics-contact`` ask for.
+    """Parse the words after ``fenics-contact``.
 
     Args:
         arguments: These words.

@@ -1,4 +1,4 @@
-"""What the terminal shows: the model before, the numbers and checks after."""
+"""Output on the terminal: the model before a run, the numbers and checks after it."""
 
 from __future__ import annotations
 
@@ -226,7 +226,7 @@ def _print_branches(console: Terminal, result: Result) -> None:
 
 
 def _print_asked(console: Terminal, result: Result) -> None:
-    """What analyses of the scene have found."""
+    """Print the results of the scene's analyses."""
     for part in registry.parts_of_result(result, "words"):
         for rows in filter(None, part.WORDS.tables(result)):
             table = _table(*map(escape, rows[0]))

@@ -1,4 +1,4 @@
-"""What help says of the program and of those of its commands that have no folder of their own."""
+"""Help texts of the program and of its commands without a folder of their own."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ def print_versions() -> int:
 
 
 def dolfinx_version() -> str:
-    """That of the installed dolfinx, which is not loaded; empty where there is none."""
+    """Return the version of the installed dolfinx, which is not loaded; empty without one."""
     found = PathFinder.find_spec("dolfinx")
     if found is None:
         return ""

@@ -185,7 +185,7 @@ def geometry_nodes(mesh: Mesh) -> NDArray[np.int32]:
 
 
 def geometry_layout(mesh: Mesh) -> Any:
-    """Which of a cell's points in the mesh's geometry are on which of its sides."""
+    """Return the layout of a cell's geometry: which of its points are on which of its sides."""
     geometry = mesh.geometry
     element = geometry.cmaps[0] if DOLFINX_VERSION >= (0, 11) else geometry.cmap
     return element.create_dof_layout()

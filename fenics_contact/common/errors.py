@@ -1,4 +1,4 @@
-"""What can go wrong, each with the exit code that users' scripts rely on."""
+"""Errors, each with the exit code that users' scripts rely on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What went wrong, in words and as an exit code; no rank waits for it, and no answer is lost by it.
+"""Failures in words and as exit codes; no rank waits for them, and no answer is lost.
 
 Errors that all ranks raise together are Python's ordinary ones. One that hits a rank alone leaves
 the others in a collective call for ever, so it ends them all, with its message.
@@ -93,7 +93,7 @@ def _is_want_of_memory(error: BaseException) -> bool:
 
 
 def _is_of_printing(error: BaseException) -> bool:
-    """Of PETSc, as it monitored a solve to a reader that has left."""
+    """Return whether PETSc failed to print to a reader that has left."""
     return isinstance(error, PETSc.Error) and "Broken pipe" in str(error)
 
 

@@ -46,7 +46,7 @@ def free_memory_for(comm: MPI.Comm) -> float:
 
 
 def memory_limit(comm: MPI.Comm) -> str:
-    """What leaves no more memory than ``free_memory_for``, in words; collective."""
+    """Return in words what limits the memory to ``free_memory_for``; collective."""
     return _free_for(comm)[1]
 
 
@@ -61,14 +61,14 @@ def _free_for(comm: MPI.Comm) -> _Free:
 
 
 def _shared() -> Iterator[_Free]:
-    """What the processes of a machine have together."""
+    """Yield the free memory that the processes of a machine share."""
     yield _of_machine(), "of this machine's memory"
     for group in _groups():
         yield _of_group(group), "within the limit of its container or batch job"
 
 
 def _own() -> Iterator[_Free]:
-    """What this process has for itself."""
+    """Yield the free memory of this process by its own limits."""
     for limit, column, command in _OWN_LIMITS:
         most = resource.getrlimit(limit)[0]
         if most != resource.RLIM_INFINITY:

@@ -111,24 +111,24 @@ def of_every_rank(comm: MPI.Comm, thing: T) -> list[T]:
 
 
 def gathered_on_root(comm: MPI.Comm, thing: T) -> list[T] | None:
-    """What each rank has, in rank order, on rank 0; None on the others."""
+    """Return the things of all ranks, in rank order, on rank 0; None on the others."""
     return _to_root(comm, thing)
 
 
 def sent_to_root(comm: MPI.Comm, thing: T, rank: int) -> T:
-    """What one rank has, on rank 0; the others get back their own."""
+    """Return the thing of one rank on rank 0; the others get back their own."""
     if comm.rank == rank != 0:
         comm.send(thing, 0)
     return _received(comm, rank) if comm.rank == 0 != rank else thing
 
 
 def from_rank(comm: MPI.Comm, thing: T, rank: int) -> T:
-    """What one rank has, on every rank."""
+    """Return the thing of one rank on every rank."""
     return _from_root(comm, thing, rank)
 
 
 def from_root(comm: MPI.Comm, thing: T) -> T:
-    """What rank 0 has, on every rank."""
+    """Return the thing of rank 0 on every rank."""
     return _from_root(comm, thing)
 
 

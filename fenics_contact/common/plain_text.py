@@ -27,7 +27,7 @@ def printable(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    r"""The same of what is to stay in its line, such as a title.
+    r"""Return a text, such as a title, with ends of lines written out, too.
 
     Args:
         text: Perhaps with names from files.

@@ -1,4 +1,4 @@
-"""What people read on a terminal: only rich itself moves the cursor and sets colours."""
+"""Text on a terminal: only rich itself moves the cursor and sets colours."""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ class Exploration:
         self._server.close()
 
     def _repr_html_(self) -> str:
-        """What notebooks show."""
+        """Return the HTML that notebooks show."""
         return (
             f'<iframe src="{html.escape(self.address)}" width="100%" height="{_HEIGHT}" '
             f'style="border: 0" title="{html.escape(self._study.scene.title or "explore")}" '

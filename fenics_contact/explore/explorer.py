@@ -63,7 +63,7 @@ class Explorer:
             yield _nothing(str(error))
 
     def begin(self, changes: Mapping[str, Any]) -> Iterator[Message]:
-        """The same, where without an answer there is nothing to go on from.
+        """Solve for the first time, where without an answer there is nothing to go on from.
 
         Args:
             changes: As of ``follow``.
@@ -135,7 +135,7 @@ class Explorer:
         yield self._answer(header, points, displacement, start)
 
     def _displacement(self) -> Array | None:
-        """Of the last quick answer; None where it takes too long while one drags."""
+        """Return the displacement of the last quick answer; None where it takes too long."""
         if self._seconds and statistics.median(self._seconds) > _BODY_FOLLOWS:
             return None
         start = time.perf_counter()
@@ -144,7 +144,7 @@ class Explorer:
         return found
 
     def _new_shape(self, run: Run, points: ContactPoints) -> Iterator[Message]:
-        """What the page draws, where it is another body than before."""
+        """Yield the body that the page draws, if it is another than before."""
         if run is not self._known:
             self._known, self._records = run, run.contacts()
         if self._shape is None or not self._shape.is_of(run.problem, points):

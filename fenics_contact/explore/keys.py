@@ -1,4 +1,4 @@
-"""Which numbers of a scene are moved on the page, and between what."""
+"""Numbers of a scene that are moved on the page, and their ranges."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class MovedKey:
 
     @property
     def key(self) -> str:
-        """As of ``--set``."""
+        """Key as of ``--set``."""
         return self.number.key
 
     @property
@@ -141,7 +141,7 @@ def _moved(study: Study, number: SceneNumber, low: float, high: float) -> MovedK
 
 
 def _chosen(study: Study) -> list[MovedKey]:
-    """Those of contacts, loads, preloads and supports that have a scale of their own.
+    """Return numbers of contacts, loads, preloads and supports with a scale of their own.
 
     Raises:
         InputError: There is none.

@@ -1,4 +1,4 @@
-"""What the page is sent: a header in JSON, and arrays behind it as they are in memory."""
+"""Messages to the page: a header in JSON, then arrays as they are in memory."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class SceneNumber:
         return description_of(self.field)
 
     def unit(self, scene: Scene) -> str:
-        """Its unit, or what it measures where the scene has no units; empty of a pure number."""
+        """Return its unit, or its dimension in a scene without units; empty for a pure number."""
         if self.dimension is None:
             return ""
         names = names_of(scene)
@@ -99,7 +99,7 @@ def _ways(scene: Scene, key: str) -> Iterator[str]:
 
 
 def _value_at(scene: Scene, key: str, known: list[str]) -> Any:
-    """What stands at a key that has no number.
+    """Return the value at a key that has no number.
 
     Raises:
         InputError: There is no such key.
@@ -158,7 +158,7 @@ def _of_value(
 
 
 def _owner(table: Any, path: tuple[str, ...]) -> str:
-    """Whose the numbers of an entry of a list are, such as ``contact 'top'``."""
+    """Return the owner of an entry's numbers, such as ``contact 'top'``."""
     if len(path) != 2:
         return ""
     name = getattr(table, "label", "") or getattr(table, "on", "") or getattr(table, "name", "")

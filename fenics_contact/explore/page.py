@@ -78,14 +78,14 @@ def _page(scene: Scene, keys: Sequence[MovedKey]) -> str:
 
 
 def _units(scene: Scene) -> dict[str, str]:
-    """Of lengths and stresses; empty where the scene has none."""
+    """Return the units of lengths and stresses; empty in a scene without units."""
     names = names_of(scene)
     measured = ("length", "stress")
     return {each: "" if names is None else names.of(each) for each in measured}
 
 
 def _notes(scene: Scene, keys: Sequence[MovedKey]) -> list[str]:
-    """What is to be known of all answers."""
+    """Return remarks on all answers."""
     notes = []
     if scene.load_steps.several:
         notes.append(

@@ -1,4 +1,4 @@
-"""What the page asks for: read with distrust, and the latest of each page counts."""
+"""Requests of the page: read with distrust, and the latest of each page counts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MOST = 2**53  # whole numbers that a browser counts to
 
 @dataclass(frozen=True)
 class Request:
-    """What a page asks for.
+    """A request of a page.
 
     Attributes:
         number: That the page counts its requests by.

@@ -47,7 +47,7 @@ class Numbers:
 
     @classmethod
     def of_answer(cls, answer: Answer, records: Sequence[ContactRecord]) -> Numbers:
-        """Of a quick answer.
+        """Return the numbers of a quick answer.
 
         Args:
             answer: That converged.
@@ -61,7 +61,7 @@ class Numbers:
 
     @classmethod
     def of_result(cls, result: Result) -> Numbers:
-        """Of a whole answer."""
+        """Return the numbers of a whole answer."""
         return cls(
             result.quantities,
             result.contacts,
@@ -122,7 +122,7 @@ class _Rows:
         self._order = {one.name: place for place, one in enumerate(table.every())}
 
     def of(self, owner: str, quantities: Quantities, errors: Errors) -> Iterator[list[str]]:
-        """Those of the whole model, or of a contact among several."""
+        """Yield the rows of the whole model, or of a contact among several."""
         several = len(self._numbers.contacts) > 1
         last = len(self._order)
         for name in sorted(quantities, key=lambda name: self._order.get(name, last)):

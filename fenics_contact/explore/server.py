@@ -46,7 +46,7 @@ class File:
 
 @dataclass(frozen=True)
 class Site:
-    """What is served.
+    """The served page and its access.
 
     Attributes:
         access: Who may use it.
@@ -227,7 +227,7 @@ class _Page(WebSocketHandler, _Guarded):
         self._number = -1
 
     def check_origin(self, origin: str) -> bool:
-        """As of all others."""
+        """Return whether the origin is the server's own, as for all other requests."""
         return self.site.access.is_own_origin(origin, self.request.host)
 
     def open(self, *arguments: str, **named: str) -> None:

@@ -1,4 +1,4 @@
-"""What the page draws: the surface of the body, and the places of the contact points."""
+"""Shape that the page draws: the surface of the body, and the places of contact points."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ STATUS = ("OPEN", "STICK", "SLIP")
 
 @dataclass(frozen=True)
 class _Grid:
-    """As much of a pyvista grid as the surface of a body is found by."""
+    """The part of a pyvista grid by which the surface of a body is found."""
 
     points: Array
     celltypes: Integers
@@ -66,7 +66,7 @@ class ContactPlaces:
     is_rigid: bool
 
     def parts(self, points: ContactPoints) -> dict[str, Array]:
-        """What curves and maps show of an answer, in the order of the points."""
+        """Return the values of an answer for curves and maps, in the order of the points."""
         rows = self.rows
         codes = np.select([points.status[rows] == word for word in STATUS], [0, 1, 2])
         found = {"friction": points.friction_traction[rows], "slip": points.slip[rows]}
@@ -129,7 +129,7 @@ class Shape:
         return same and np.array_equal(self._at, points.coordinates)
 
     def message(self) -> Message:
-        """What the page is sent of it, once."""
+        """Return the message of the shape to the page."""
         surface, size = self._surface, np.ptp(self._coordinates, axis=0)
         lines = surface.lines
         if len(lines) > _MOST_LINES:
@@ -200,7 +200,7 @@ class Shape:
 
 
 def _surface_of(problem: Problem) -> tuple[Surface, Integers]:
-    """Its surface, and the node of each point of it."""
+    """Return the surface of a problem's body, and the node of each of its points."""
     space = problem.spaces.displacement_space
     cells, kinds, points = plot.vtk_mesh(space)
     width = space.dofmap.dof_layout.num_dofs

@@ -16,7 +16,7 @@ _BODY = "body"  # the whole body's group, where the file names none
 
 @dataclass(frozen=True)
 class PartTags:
-    """What became of the parts of a file.
+    """Tags of the parts of a file.
 
     Attributes:
         dimension: Of the body.

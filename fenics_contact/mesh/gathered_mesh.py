@@ -118,7 +118,7 @@ def _gathered(body: Body) -> GatheredMesh | None:
 
 
 def _empty(body: Body) -> GatheredMesh:
-    """What other ranks than 0 have."""
+    """Return the empty mesh of ranks other than 0."""
     cell, no_tags = body.mesh.topology.cell_name(), np.zeros(0, dtype=np.int32)
     corners = (CORNERS[cell], _FACET_CORNERS[cell])
     cells, facets = (np.zeros((0, count), dtype=np.int64) for count in corners)

@@ -94,7 +94,7 @@ def _require_alike(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) 
 
 
 def _shifts(tags: Sequence[Tags]) -> list[int]:
-    """What makes the tags of each mesh differ from those of all before it."""
+    """Return shifts by which each mesh's tags differ from those of all before it."""
     ends = np.cumsum([int(values.max(initial=0)) for values in tags])
     return [0, *ends[:-1].tolist()]
 

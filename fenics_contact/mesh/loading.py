@@ -299,7 +299,7 @@ def _check_settings(key: str, source: MeshSource, file: MeshFile) -> None:
 
 
 def _job(key: str, source: MeshSource, file: MeshFile, dimension: int) -> dict[str, Any]:
-    """What ``gmsh_process`` is to do, but for the files."""
+    """Return the job of ``gmsh_process``, without the files."""
     job: dict[str, Any] = {"key": key, "kind": file.kind, "name": source.file}
     job["dimension"] = dimension
     if file.is_mesh:

@@ -96,7 +96,7 @@ class Cells:
 
     @property
     def dimension(self) -> int:
-        """Of the cells."""
+        """Dimension of the cells."""
         return int(self.points.shape[1])
 
     def sizes(self) -> Array:

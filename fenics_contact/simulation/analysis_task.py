@@ -1,4 +1,4 @@
-"""What analyses do in a run: along its load steps, with its answer, and after it."""
+"""Tasks of analyses in a run: along its load steps, with its answer, and after it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fenics_contact.solve.newton.solution import Solution
 
 @dataclass(frozen=True)
 class AnalysisFinding:
-    """What an analysis has found with the answer.
+    """Results of an analysis with the answer.
 
     Attributes:
         attributes: Of the result.
@@ -28,7 +28,7 @@ class AnalysisFinding:
 
 
 class AnalysisTask:
-    """What one analysis does in a run, nothing by default; all methods are collective.
+    """Task of one analysis in a run, nothing by default; all methods are collective.
 
     The part ``task`` of its folder has the class as ``TASK``.
 
@@ -71,7 +71,7 @@ class AnalysisTask:
         """
 
     def evaluate(self) -> AnalysisFinding:
-        """What is known of it once the last load step is solved."""
+        """Return the results once the last load step is solved."""
         return AnalysisFinding()
 
     def complete(self, result: Result, body: Callable[[], KeptBody], notes: list[str]) -> Result:

@@ -95,7 +95,7 @@ class AnalysisTasks:
                 self._following.remove(task)
 
     def evaluate(self, notes: list[str]) -> AnalysisFinding:
-        """What they have found with the answer.
+        """Return the results of all tasks with the answer.
 
         Args:
             notes: To which is added what could not be found.

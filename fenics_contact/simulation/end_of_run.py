@@ -1,4 +1,4 @@
-"""What is found once the last load step of a run is solved: checks, other answers, error bars."""
+"""End of a run, after its last load step: checks, other answers, error bars."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Judge = Callable[[LoadSteps, Sequence[StepRecord]], ErrorBudget]
 
 @dataclass
 class EndOfRun:
-    """What is known once the last load step is solved; what fails of it is said in ``notes``.
+    """Results after the last load step; what fails among them is said in ``notes``.
 
     Attributes:
         last: What a further step would start from.

@@ -35,7 +35,7 @@ _SAFETY = 4.0
 
 @dataclass(frozen=True, eq=False)
 class ChosenModes:
-    """What a motion moves in.
+    """The modes that a motion moves in.
 
     Attributes:
         scene: With their number, or with no modes.
@@ -150,7 +150,7 @@ def _history(steps: Sequence[StepRecord]) -> list[Array]:
 
 
 def _error(before: Sequence[Array], steps: Sequence[StepRecord]) -> float:
-    """As of ``ChosenModes``, of steps and of forces and kinetic energy in half of the modes."""
+    """Return the error of ``ChosenModes``, by steps and by results in half of the modes."""
     return max(_SAFETY * _difference(before, _history(steps)), _left_out(steps))
 
 

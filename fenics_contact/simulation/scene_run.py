@@ -152,7 +152,7 @@ class Run:
         self._history = kind(problem, self.timings, forces_of)
 
     def _choose_modes(self) -> None:
-        """Of a motion that is to move in few; collective."""
+        """Choose the modes of a motion that is to move in few; collective."""
         motion, kept = self.scene.motion, self._kept
         if self._modes is not None or kept is None or motion is None or motion.modes is None:
             return
@@ -162,7 +162,7 @@ class Run:
         self._pose(Problem(self._modes.scene, kept.discrete, self.timings, by_points=True))
 
     def _again(self, scene: Scene, body: Body | None = None) -> Result:
-        """What comes out of a scene like this one, on this body or another; collective."""
+        """Return the result of a scene like this one, on this body or another; collective."""
         kept = self._kept if body is None else None
         modes = ChosenModes(scene)  # how good they are is not asked again
         run = Run(scene, self.problem.comm, body, kept, modes)
@@ -193,12 +193,12 @@ class Run:
 
     @property
     def fields(self) -> Fields:
-        """That step as functions of dolfinx; collective. ``InputError`` before there is one."""
+        """The last step as functions of dolfinx; collective. ``InputError`` before there is one."""
         return self._history.fields
 
     @property
     def steps(self) -> list[StepRecord]:
-        """What came out of the load steps so far."""
+        """Records of the load steps so far."""
         return self._history.steps
 
     @property
@@ -208,7 +208,7 @@ class Run:
 
     @property
     def analyses(self) -> AnalysisTasks:
-        """What analyses of the scene do in this run, with what they have found."""
+        """Tasks of the scene's analyses in this run, with their results."""
         return self._tasks
 
     @property
@@ -333,7 +333,7 @@ class Run:
         ]
 
     def _evaluate(self) -> Result:
-        """Of the last load step; collective."""
+        """Return the result of the last load step; collective."""
         problem, solution, history = self.problem, self.solution, self._history
         assert solution is not None
         modes = self._modes or ChosenModes(self.scene)
@@ -384,7 +384,7 @@ class Run:
         )
 
     def _stopped_short(self, words: str, steps: list[StepRecord]) -> Result:
-        """What there is of a history that did not reach its end; collective.
+        """Return the result of a history that did not reach its end; collective.
 
         Args:
             words: Why it did not.

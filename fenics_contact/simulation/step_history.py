@@ -1,4 +1,4 @@
-"""What comes out of the load steps of a run, and all there is of the last one."""
+"""Results of the load steps of a run, and the whole state of the last one."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class StepHistory(Generic[_Forces]):
 
     @property
     def sums(self) -> list[float]:
-        """What has been summed up so far, of energies and of momenta, to be given to ``resume``."""
+        """Sums of energies and momenta so far, for ``resume``."""
         moves = self._problem.inertia.moves
         return [*self.energy_balance.sums, *(self.momenta.sums if moves else [])]
 
@@ -152,7 +152,7 @@ class StepHistory(Generic[_Forces]):
         )
 
     def _sizes(self, solution: Solution) -> dict[str, dict[str, Any]]:
-        """Of what linear theory takes to be small; collective."""
+        """Return the sizes that linear theory takes to be small; collective."""
         missing = "The range of linear theory was not checked"
         found: dict[str, dict[str, Any]] = {}
 
@@ -171,7 +171,7 @@ class StepHistory(Generic[_Forces]):
         return number % every == 0 or number == motion.steps.number
 
     def pass_by(self, time: float, solution: Solution) -> None:
-        """The same of a load step that nobody asks about; collective.
+        """Take in a load step whose quantities are not asked for; collective.
 
         Its work counts, and how far bodies slid in it: what is said of the last step goes by these.
 
@@ -201,7 +201,7 @@ class StepHistory(Generic[_Forces]):
         )
 
     def _loads(self) -> list[LoadRecord]:
-        """What given loads do, of a load step of several; collective."""
+        """Return the records of given loads, in a history of several load steps; collective."""
         if not self._problem.scene.load_steps.several:
             return []
         return load_records(self._problem, self.forces.displacement)
@@ -221,7 +221,7 @@ class StepHistory(Generic[_Forces]):
             self.energy_balance.count(self.forces)
 
     def checks(self) -> dict[str, Check]:
-        """Of the last load step; collective."""
+        """Return the checks of the last load step; collective."""
         with self._timings.phase("output"):
             checks = run_checks(self.forces, len(self.steps))
             for name, check in self._checks_of_path().items():
@@ -230,7 +230,7 @@ class StepHistory(Generic[_Forces]):
         return checks
 
     def _checks_of_path(self) -> dict[str, Callable[[], Check | None]]:
-        """Those that take all load steps, each of them to be made; collective."""
+        """Return functions for the checks that need all load steps; collective."""
         last = self.steps[-1]
         checks: dict[str, Callable[[], Check | None]] = {}
         if not self.forces.rests:
@@ -269,7 +269,7 @@ class StepHistory(Generic[_Forces]):
             return SlipLimitRecord(parts=found.of_parts(), motion=largest.motion)
 
     def _slip_share(self, solution: Solution, number: int) -> dict[str, Any]:
-        """Of what friction can hold a contact uses, if it has any; collective."""
+        """Return the share of its friction that a contact uses, if it has any; collective."""
         contact = self._problem.contacts[number]
         if not contact.friction.has_friction:
             return {}

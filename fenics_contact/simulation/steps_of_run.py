@@ -174,7 +174,7 @@ class StepsOfRun(StepListener):
             self._end.interrupt(load_steps)
 
     def _judge(self, load_steps: LoadSteps) -> None:
-        """What is to be known of the answer beside it; collective."""
+        """Judge the answer: checks, other answers and error bars; collective."""
         cycles, at_end = self._cycles, self._listeners.at_end
         self._end.look_beside(load_steps, self._timings, weighs_depth=cycles is None)
         with self._timings.phase("errors"):
@@ -233,7 +233,7 @@ class _StateKeeper(StepListener):
 
 
 def by_default(scene: Scene) -> Announce:
-    """What says that a load step is done: a line in the log; of a run of one its result says all.
+    """Return the default announcement: a line in the log for each of several load steps.
 
     Args:
         scene: That is solved.
@@ -246,4 +246,4 @@ def _log_step(units: UnitNames | None, number: int, step: StepRecord) -> None:
 
 
 def _say_nothing(number: int, step: StepRecord) -> None:
-    """Of a run of a single step, its result says it all."""
+    """Say nothing: the result of a run of one step says it all."""

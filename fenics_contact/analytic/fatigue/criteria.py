@@ -1,4 +1,4 @@
-"""What a history of stress does to a material: Smith, Watson and Topper, Crossland, Dang Van.
+"""Fatigue criteria of a history of stress: Smith, Watson and Topper, Crossland, Dang Van.
 
 A history is an array (places, times, 3, 3) of stresses, or of the strains with them, over one
 cycle of loads. All numbers are exact but for round-off, and for the planes that are searched.
@@ -89,5 +89,5 @@ def crossland_alpha(torsion: float, tension: float) -> float:
 
 
 def dang_van_alpha(torsion: float, tension: float) -> float:
-    """The same of the criterion of Dang Van; arguments likewise."""
+    """Return the α with which both limits (stress) are on the line of Dang Van's criterion."""
     return 3 * torsion / tension - 1.5

@@ -43,7 +43,7 @@ def swt(stress: Array, strain: Array) -> tuple[Array, Array]:
 
 
 def _searched(stress: Array, strain: Array) -> tuple[Array, Array]:
-    """As ``swt``, from the best of the planes all around."""
+    """Return ``swt`` and its normals, searched from the best of planes all around."""
     best, normals = np.full(len(stress), -np.inf), np.zeros((len(stress), 3))
     first = _parameter(stress, strain, _hemisphere())
     is_peak = (first[:, :, None] >= first[:, _neighbours()]).all(axis=2)
@@ -76,7 +76,7 @@ def _improved(stress: Array, strain: Array, normals: Array) -> tuple[Array, Arra
 
 
 def _parameter(stress: Array, strain: Array, normals: Array) -> Array:
-    """Of planes at each place, (places, planes).
+    """Return the parameter of planes at each place, (places, planes).
 
     Args:
         stress: As above.

@@ -90,7 +90,7 @@ def _around(paths: Array, rests: Integers, new: Integers) -> tuple[Array, Array,
 
 
 def _subsets(places: int) -> Iterator[list[int]]:
-    """Those of the places that may rest beside a new point, small ones first."""
+    """Yield subsets of places that may rest with a new point, small ones first."""
     for size in range(1, places):
         yield from (list(subset) for subset in combinations(range(places), size))
 

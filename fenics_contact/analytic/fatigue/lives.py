@@ -81,6 +81,6 @@ class StrainLife:
         return self.strength_exponent + self.ductility_exponent
 
     def _logarithms(self, youngs_modulus: Array | float) -> tuple[Array, float]:
-        """Of what stands before the two powers."""
+        """Return the logarithms of the factors of the two powers."""
         elastic = np.log(self.strength**2 / youngs_modulus)
         return elastic, float(np.log(self.strength * self.ductility))

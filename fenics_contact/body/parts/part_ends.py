@@ -77,7 +77,7 @@ class PartEnds:
         return facets, of_body[facets] > 1
 
     def _nodes(self, facets: Integers) -> Integers:
-        """Their nodes by the mesh's geometry, (facets, nodes)."""
+        """Return the nodes of facets by the mesh's geometry, (facets, nodes)."""
         body = self._spaces.body
         return compat.nodes_of_entities(body.mesh, body.dimension - 1, facets.astype(np.int32))
 

@@ -1,4 +1,4 @@
-"""What ``fenics-contact compare`` shows and writes."""
+"""Action of ``fenics-contact compare``: what it shows and writes."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def compare(options: argparse.Namespace) -> int:
 
 
 def _print(comparison: Comparison) -> None:
-    """What matters first: outcomes, what was changed, what came of it."""
+    """Print what matters first: outcomes, changed keys, and their effect."""
     console, names = Terminal(), comparison.names
     groups = comparison.groups()
     console.print(f"\n[bold]{escape(' · '.join(names))}[/bold]", highlight=False)

@@ -1,4 +1,4 @@
-"""What ``fenics-contact compare`` takes, and says when asked for help."""
+"""Options and help of ``fenics-contact compare``."""
 
 from __future__ import annotations
 

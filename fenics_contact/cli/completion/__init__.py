@@ -1,1 +1,1 @@
-"""What other programs complete by: scripts for shells, and the schema of scenes for editors."""
+"""Completion in other programs: scripts for shells, and the schema of scenes for editors."""

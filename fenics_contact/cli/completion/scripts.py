@@ -102,7 +102,7 @@ def _argument(command: str, action: argparse.Action) -> Argument:
 
 
 def _kind(command: str, action: argparse.Action) -> tuple[str, tuple[str, ...]]:
-    """What an argument takes, by its placeholder in the help."""
+    """Return the kind of values of an argument, by its placeholder in the help."""
     placeholder = str(action.metavar or action.dest)
     if action.nargs == 0:
         return "", ()

@@ -1,4 +1,4 @@
-"""What ``fenics-contact explore`` does: serves the page, and answers until Ctrl-C."""
+"""Action of ``fenics-contact explore``: it serves the page, and answers until Ctrl-C."""
 
 from __future__ import annotations
 

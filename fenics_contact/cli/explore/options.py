@@ -1,4 +1,4 @@
-"""What ``fenics-contact explore`` takes, and says when asked for help."""
+"""Options and help of ``fenics-contact explore``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``fenics-contact fit`` does and says."""
+"""Action and output of ``fenics-contact fit``."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def fit(options: argparse.Namespace) -> int:
 
 
 def _found(study: Study, options: argparse.Namespace, words: list[str], folder: Path) -> Fit:
-    """What the search finds, with a journal of its curves.
+    """Return the result of the search, with a journal of its curves.
 
     Raises:
         StoppedError: It was interrupted, after curves that are kept.

@@ -1,4 +1,4 @@
-"""What ``fenics-contact fit`` takes, and says when asked for help."""
+"""Options and help of ``fenics-contact fit``."""
 
 from __future__ import annotations
 

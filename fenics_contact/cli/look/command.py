@@ -1,4 +1,4 @@
-"""What ``fenics-contact look`` does: reads a file, writes a page and a scene to complete."""
+"""Action of ``fenics-contact look``: it reads a file, writes a page and a scene to complete."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``fenics-contact look`` takes, and says when asked for help."""
+"""Options and help of ``fenics-contact look``."""
 
 from __future__ import annotations
 

@@ -243,7 +243,7 @@ class Proposal:
             yield from (f"on = {_quoted(name)}", f"displacement = {{ {axes} }}")
 
     def _preloads(self) -> Iterator[str]:
-        """Of bolts in CAD files: there a body can be cut where its shank is."""
+        """Yield lines of preloads of bolts in CAD files, whose shanks can be cut out."""
         for bolt in self._bolts:
             axis = ", ".join(f"{_rounded(part):g}" for part in bolt.axis)
             first, last = (f"{_rounded(place):g}" for place in bolt.between)

@@ -1,4 +1,4 @@
-"""What ``fenics-contact sweep`` does and says."""
+"""Action and output of ``fenics-contact sweep``."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _draw(folder: Path) -> None:
 
 
 def _plan(total: int, left: int, bodies: int, jobs: int) -> str:
-    """What is going to be done."""
+    """Return the plan of a sweep in words."""
     words = _count(total, "point")
     if left < total:
         words += f", {left} of them to be solved"
@@ -109,7 +109,7 @@ def _so_far(done: int, total: int, failed: int) -> str:
 
 
 def _said(made: Sweep, folder: Path) -> Sequence[str]:
-    """What came out: how many of each outcome, the first that failed, and the files."""
+    """Return lines on a sweep: numbers of outcomes, the first failure, and the files."""
     found = Counter(done.exit_code for done in made.done.values())
     outcomes = [f"{found[code]} {outcome_of(code)}" for code in _ORDER if found[code]]
     if made.left:

@@ -1,4 +1,4 @@
-"""What ``fenics-contact sweep`` takes, and says when asked for help."""
+"""Options and help of ``fenics-contact sweep``."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class Factorisation:
 
 
 def fastest(is_plane: bool, unknowns: int) -> Factorisation:
-    """What is fastest for a body; the linear solve of the benchmarks tries the same ordering.
+    """Return the fastest factorisation for a body; benchmarks of linear solves try it as well.
 
     Cholesky has half the work: with minimum degree it takes .6 to .9 of LU's time in the plane
     (measured on 15,000 to 66,000 unknowns of Q2). With nested dissection LU runs as fast or faster.
@@ -66,7 +66,7 @@ class WorkspaceError(MachineError):
 
 
 def failure(factor: PETSc.Mat) -> FenicsContactError | None:
-    """What went wrong in a factorisation, or None; the same on every rank that has a part of it.
+    """Return the failure of a factorisation, or None; the same on every rank with a part of it.
 
     Args:
         factor: PETSc's matrix of the factors.
@@ -90,7 +90,7 @@ def failure(factor: PETSc.Mat) -> FenicsContactError | None:
 
 
 def failure_of(preconditioner: PETSc.PC) -> FenicsContactError | None:
-    """The same of a preconditioner, None where it is not one of MUMPS."""
+    """Return the failure of a preconditioner, None where it is not one of MUMPS."""
     if preconditioner.getType() not in ("lu", "cholesky"):
         return None
     if preconditioner.getFactorSolverType() != NAME:

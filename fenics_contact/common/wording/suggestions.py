@@ -1,4 +1,4 @@
-"""What a word that is not known may have been meant to be; the one place that decides it."""
+"""Suggestions for unknown words; the one place that decides them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def question(word: str, known: Iterable[str]) -> str:
-    """The same in brackets, for a sentence that goes on.
+    """Return a suggestion in brackets, for a sentence that goes on.
 
     Args:
         word: As it was given.
@@ -51,7 +51,7 @@ def question(word: str, known: Iterable[str]) -> str:
 
 
 def nearest_file(path: Path) -> str:
-    """The same of a file that is not there, among those of its folder and their kind.
+    """Return a suggestion for a missing file, among files of its kind in the folder.
 
     Args:
         path: Of the file.

@@ -26,7 +26,7 @@ _MEASURES = {2: "area", 3: "volume"}
 
 @dataclass
 class Bodies:
-    """What the parts of the open model are called.
+    """Names of the parts of the open model.
 
     Attributes:
         dimension: Of the model.
@@ -69,7 +69,7 @@ class Bodies:
         self._sections.update(sections)
 
     def number(self, dimension: int, part: int) -> int | None:
-        """By which users know a part: its own, that of what it was cut from, or none."""
+        """Return a part's number for users: its own, that of its part before a cut, or none."""
         if dimension != self.dimension - 1:
             return part
         return None if part in self._sections else self._pieces.get(part, part)
@@ -79,7 +79,7 @@ class Bodies:
         self.are_groups = True
 
     def groups(self) -> list[dict[str, Any]]:
-        """As ``from_gmsh`` takes physical groups; without numbers, which are the surfaces'."""
+        """Return groups for ``from_gmsh``, without the numbers, which are the surfaces'."""
         kinds = [] if self.are_groups else [(self.dimension, self.parts)]
         kinds.append((self.dimension, self.preloaded))
         return [

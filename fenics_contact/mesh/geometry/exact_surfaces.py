@@ -11,7 +11,7 @@ _ALONG = 6  # points along each parameter
 
 
 def exact_surfaces(dimension: int) -> Arrays:
-    """Of every surface, in the plane of every curve: points with normals, and its measure.
+    """Return points with normals, and the measure, of every surface; in the plane of curves.
 
     Args:
         dimension: Of the model.

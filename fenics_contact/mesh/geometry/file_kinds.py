@@ -1,4 +1,4 @@
-"""What kind a file with a mesh or a geometry is, and whether Gmsh may read it.
+"""Kinds of files with a mesh or a geometry, and whether Gmsh may read them.
 
 Every file that Gmsh opens is first brought into a folder of its own: scripts written anew from
 what was understood of them, meshes and CAD files as copies with the suffix that they are taken for.
@@ -75,7 +75,7 @@ class MeshFile:
 
 @dataclass
 class Prepared:
-    """What Gmsh may open.
+    """A file that Gmsh may open.
 
     Attributes:
         path: The file in place of the one that the scene names.
@@ -95,7 +95,7 @@ class Prepared:
 
 
 def kind_of(name: str) -> str:
-    """As ``MeshFile`` has it; nothing of a file that cannot be read."""
+    """Return the kind of a file as in ``MeshFile``; empty if it cannot be read."""
     return _KINDS.get(Path(name).suffix.lower(), "")
 
 

@@ -53,7 +53,7 @@ _LIBRARIES = 2**29  # bytes of address space that Gmsh's libraries take, and are
 
 @dataclass(frozen=True)
 class Limits:
-    """What Gmsh may take.
+    """Limits of time and memory of Gmsh.
 
     Attributes:
         key: Of the scene's mesh, for messages: ``mesh``, or ``mesh[1]``.
@@ -69,7 +69,7 @@ class Limits:
 
     @property
     def who(self) -> str:
-        """What messages call the process."""
+        """Name of the process in messages."""
         return "the reader" if self.is_reader else "Gmsh"
 
 
@@ -231,7 +231,7 @@ class _Watch:
             self._next_word *= 2
 
     def _doing(self, before: str) -> str:
-        """What Gmsh said last, in one line."""
+        """Return the last line of Gmsh's output."""
         lines = [" ".join(line.split()) for line in self.said.splitlines()]
         last = next((line for line in reversed(lines) if line), "").removeprefix("Info : ")
         last = self._ready.translated(last)

@@ -35,7 +35,7 @@ _WAYS = {
 
 
 def way_out(name: str) -> str:
-    """What to do with a file of another program, to follow a sentence; empty if it is not known.
+    """Return advice on a file of another program, to follow a sentence; empty if unknown.
 
     Args:
         name: Of the file.

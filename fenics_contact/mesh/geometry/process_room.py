@@ -22,7 +22,7 @@ Arrays = dict[str, np.ndarray]
 
 
 class RefusedError(Exception):
-    """What is wrong with the scene's [mesh], to follow the name of its key."""
+    """Raised with what is wrong with the scene's [mesh], to follow the name of its key."""
 
 
 def answer(work: Callable[[Job], tuple[dict[str, Any], Arrays]], writes: int = 0) -> None:

@@ -34,7 +34,7 @@ _BEFORE_TEXT = 8 * " "
 
 
 class ScriptError(Exception):
-    """What is wrong with a script.
+    """Raised with what is wrong with a script.
 
     Attributes:
         line: Where, counted from 1.
@@ -61,7 +61,7 @@ class Token(NamedTuple):
 
     @property
     def content(self) -> str:
-        """Of a text: what is between its quotes."""
+        """Content of a text between its quotes."""
         return self.text[1:-1]
 
 

@@ -74,7 +74,7 @@ class _File:
         ]
 
     def label(self, face: str) -> str:
-        """What a face is called."""
+        """Return the name of a face."""
         found = re.match(rf"\s*{_TEXT}", self._entities[face][1])
         text = found[1].replace("''", "'") if found else ""
         return _WIDE.sub(lambda m: bytes.fromhex(m[1]).decode("utf-16-be", "replace"), text)

@@ -227,7 +227,7 @@ class _Reader:
         self._add_to_set("ELSET", block, numbers)
 
     def _add_to_set(self, kind: str, block: _Block, numbers: list[int]) -> None:
-        """What stands under a keyword goes to the set that the keyword names."""
+        """Add the entries under a keyword to the set that the keyword names."""
         if block.options.get(kind):
             rule = self._sets[kind].begin(block.line, self._scope, block.options[kind])
             rule.numbers.append((block.line, numbers))

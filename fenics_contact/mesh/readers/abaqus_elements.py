@@ -65,7 +65,7 @@ class Blocks:
         self._blocks.append((line, found, kind, np.asarray(nodes, np.int64), are_shells))
 
     def numbers(self) -> Integers:
-        """Of all elements, in order.
+        """Return the numbers of all elements, in order.
 
         Raises:
             RefusedError: Two elements have the same.

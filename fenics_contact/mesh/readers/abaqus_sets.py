@@ -31,7 +31,7 @@ def whole_number(line: Line, text: str) -> int:
 
 @dataclass
 class _Rule:
-    """What makes a set: each line's numbers, ranges (first, last, step) and names of sets."""
+    """Rule of a set: each line's numbers, ranges (first, last, step) and names of sets."""
 
     name: str
     line: Line

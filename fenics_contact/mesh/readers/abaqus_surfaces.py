@@ -90,7 +90,7 @@ class Surfaces:
 
 
 def _numbers(surface: _Surface, line: Line, members: Members) -> tuple[Integers, str]:
-    """What a line of a surface names, and the label that follows."""
+    """Return the elements that a line of a surface names, and the label that follows."""
     target, label = ([word.strip() for word in line.text.split(",")] + [""])[:2]
     if target.isdigit():
         return np.array([whole_number(line, target)]), label.upper()
@@ -115,7 +115,7 @@ def _sides(line: Line, elements: Elements, kind: int, rows: Integers, label: str
 
 
 def _instead(elements: Elements, kind: int, rows: Integers) -> str:
-    """What there is in place of a label that names no side, to follow the message."""
+    """Return the labels in place of one that names no side, to follow the message."""
     dimension = dimension_of(kind)
     if elements.are_shells[kind][rows].any():
         if dimension == elements.dimension:

@@ -62,7 +62,7 @@ def is_shell(name: str) -> bool:
 
 
 def kinematics_of(name: str) -> str:
-    """What a type of plane elements is made for, as scenes call it; empty if it does not say.
+    """Return the kinematics of a type of plane elements, as in scenes; empty if unknown.
 
     Args:
         name: In capitals, such as ``CAX4``.

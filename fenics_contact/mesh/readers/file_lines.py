@@ -20,7 +20,7 @@ class Line(NamedTuple):
     number: int
 
     def error(self, words: str) -> RefusedError:
-        """What is wrong with it."""
+        """Return the error of this line."""
         return RefusedError(f"{self.file}, line {self.number}: {words}")
 
 
@@ -40,11 +40,11 @@ class FileLines:
         self._count = 0
 
     def error(self, words: str) -> RefusedError:
-        """What is wrong with the file as a whole."""
+        """Return the error of the file as a whole."""
         return RefusedError(f"{self._key} = '{self._name}': {words}")
 
     def lines(self) -> Iterator[Line]:
-        """Of the file itself."""
+        """Yield the lines of the file itself."""
         return self._lines(self._path, self._name)
 
     def included(self, line: Line, name: str) -> Iterator[Line]:

@@ -1,4 +1,4 @@
-"""What a reader has found in a file, and as the description and arrays that ``from_gmsh`` takes."""
+"""Mesh that a reader found in a file, also as description and arrays for ``from_gmsh``."""
 
 from __future__ import annotations
 
@@ -218,7 +218,7 @@ class _Parts:
         return [number]
 
     def arrays(self) -> dict[str, Integers]:
-        """As ``from_gmsh`` takes them."""
+        """Return the arrays for ``from_gmsh``."""
         found = {f"nodes_{kind}": nodes for kind, nodes in self.nodes.items()}
         found |= {f"numbers_{kind}": numbers for kind, numbers in self._numbers_of.items()}
         return found | {f"parts_{kind}": part for kind, part in self._part.items()}

@@ -32,7 +32,7 @@ def require_whole(where: str, path: Path) -> None:
 
 
 def _outside(h5py: Any, found: Any) -> list[str]:
-    """What of a group or a data set is kept in another file."""
+    """Return the parts of a group or a data set that are kept in another file."""
     if isinstance(found, h5py.Dataset):
         return [found.name] if found.external or found.is_virtual else []
     links = {name: found.get(name, getlink=True) for name in found}

@@ -175,7 +175,7 @@ class _Scan:
 
 
 def _found(where: str, mesh: Any) -> FoundMesh:
-    """What meshio has read."""
+    """Return the mesh that meshio has read."""
     elements: dict[int, list[Integers]] = {}
     numbers: dict[int, list[Integers]] = {}
     kinds, count = [], 0

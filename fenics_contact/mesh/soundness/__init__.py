@@ -1,4 +1,4 @@
-"""What a mesh must not be, whatever program wrote it: asked of plain arrays, after reading.
+"""Checks of a mesh, whatever program wrote it: on plain arrays, after reading.
 
 ``cells`` looks at the cells themselves, one by one and by the sides that they share;
 ``neighbours`` at cells that lie against each other, or in each other, and share no nodes.

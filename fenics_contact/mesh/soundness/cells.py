@@ -1,4 +1,4 @@
-"""What the cells of a mesh must not be: each check refuses it in one sentence.
+"""Checks of the cells of a mesh: each refuses bad ones in one sentence.
 
 Plain arrays, on one rank. Messages name cells by the numbers that their file gives them.
 """
@@ -136,7 +136,7 @@ class FileCells:
         return least, largest
 
     def _advice(self, bad: Flags, points: Array) -> str:
-        """What to look at first, by how many cells are bad."""
+        """Return advice on what to look at first, by how many cells are bad."""
         edges = np.array(basix.topology(getattr(basix.CellType, self.cell))[1])
         if self.order > 1:
             corners = points[self.nodes[bad][:, edges]]

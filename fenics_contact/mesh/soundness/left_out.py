@@ -1,4 +1,4 @@
-"""What of a file is no part of the model, or is wanting, and is said rather than passed over."""
+"""Notes on parts of a file that are not in the model, or are missing."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ _FACETS = {
 
 @dataclass(frozen=True)
 class Finding:
-    """What was found.
+    """A finding on the neighbours of cells.
 
     Attributes:
         words: A sentence, without its full stop.
@@ -118,7 +118,7 @@ class Neighbours:
 
     @cached_property
     def _tree(self) -> Any:
-        """Of the cells' middles."""
+        """Search tree of the cells' middles."""
         return cKDTree(self._middles)
 
     @cached_property
@@ -191,7 +191,7 @@ class Neighbours:
 
     @cached_property
     def _named(self) -> Flags:
-        """Of the outer facets, those in a group, but for groups of all facets of a piece."""
+        """Flags of outer facets in a group, except groups of all facets of a piece."""
         keys = vertex_keys(self.facets[:, : self._outer.shape[1]], len(self.points))
         piece = self._pieces[self._owner]
         all_of_piece = np.bincount(piece)

@@ -1,1 +1,1 @@
-"""What a file holds: its bodies and surfaces, what they are, and which face each other."""
+"""Survey of a file: its bodies and surfaces, their shapes, and which face each other."""

@@ -1,4 +1,4 @@
-"""Which bodies look like bolts: a shank between two shoulders that clamp other bodies."""
+"""Bodies that look like bolts: a shank between two shoulders that clamp other bodies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which surfaces of different bodies face each other closely: pairs for contacts.
+"""Surfaces of different bodies that face each other closely: pairs for contacts.
 
 From points all over a surface a line along its normal looks for the other: it must be met within
 the tolerance, by a normal that points back. Boxes that overlap are not enough.

@@ -1,4 +1,4 @@
-"""Which pieces can be taken off: contacts open in some rigid motion and close nowhere.
+"""Pieces that can be taken off: contacts open in some rigid motion and close nowhere.
 
 With friction all other motions are resisted. The motion that opens most is found by linear
 programming: maximise the sum of the openings, where none may be negative.

@@ -1,4 +1,4 @@
-"""What kind of surface some points and normals are of: plane, cylinder, cone, sphere or torus.
+"""Kind of the surface of points and normals: plane, cylinder, cone, sphere or torus.
 
 All are found from linear equations. The normal lines of a surface of revolution meet its axis: with
 direction a and moment m of the axis, a·(p × n) + m·n = 0 for all points p and normals n.

@@ -89,7 +89,7 @@ class FoundSurface:
 
 @dataclass(frozen=True)
 class Survey:
-    """What a file holds.
+    """Bodies and surfaces of a file.
 
     Attributes:
         dimension: 2 or 3.
@@ -142,7 +142,7 @@ class _Look:
         self._match(of_cells, mesh.facets[:, : sides.shape[1]])
 
     def _match(self, of_cells: Integers, facets: Integers) -> None:
-        """Which cells the facets are sides of, and which sides of cells are no facets."""
+        """Find the cells that facets are sides of, and the sides of cells that are no facets."""
         both = np.sort(np.concatenate([of_cells, facets]), axis=1)
         _, key = np.unique(both, axis=0, return_inverse=True)
         key = key.reshape(-1)
@@ -290,7 +290,7 @@ class _Look:
 
 
 def _without_repeats(surfaces: list[FoundSurface]) -> list[FoundSurface]:
-    """The same, those marked that share facets with smaller ones: groups may overlap."""
+    """Mark surfaces that share facets with smaller ones: groups may overlap."""
     seen: set[int] = set()
     repeated = set()
     for surface in sorted(surfaces, key=lambda surface: surface.measure):
