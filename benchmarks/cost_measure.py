@@ -22,9 +22,8 @@ from cost_solves import (
 from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.memory import contact_unknowns, unknowns
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.solver_choice import choose_solver
+from fenics_contact.solve.solver_choice import choose_solver, contact_unknowns, unknowns
 from fenics_contact.verification.memory.block_scenes import body_of, scene_of
 from fenics_contact.verification.memory.blocks import Case
 

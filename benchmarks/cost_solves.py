@@ -16,10 +16,10 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import global_quantities, support_records
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.step_history import StepHistory
-from fenics_contact.solve.load_steps.listener import AtEachStep
+from fenics_contact.solve.load_steps.accepted_step import AtEachStep
 from fenics_contact.solve.load_steps.load_stepper import stepping
-from fenics_contact.solve.memory import unknowns
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.solver_choice import unknowns
 from fenics_contact.trust.error_estimates.budget import error_budget
 
 # isort: split

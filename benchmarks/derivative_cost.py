@@ -37,7 +37,7 @@ from fenics_contact.simulation.scene_run import Run
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.solved_derivatives import solved_scene
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
-from fenics_contact.solve.memory import contact_unknowns, unknowns
+from fenics_contact.solve.solver_choice import contact_unknowns, unknowns
 from fenics_contact.verification.memory.block_scenes import body_of, scene_of
 from fenics_contact.verification.memory.blocks import Case, slab, square
 

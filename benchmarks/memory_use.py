@@ -9,7 +9,7 @@ is compared, are those of ``fenics-contact verify memory``, and runs on two rank
 code is 4 where an estimate is not near enough.
 
 The last table says by which factor the parts of the estimate would have to change to fit all runs
-best: by these the constants of ``fenics_contact/solve/memory.py`` are set.
+best: by these the constants of ``fenics_contact/solve/solver_choice.py`` are set.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Internal forces of an answer of which only contacts and supports are known.
 
 Inside the body forces balance, as its displacement follows from what is known. What is linear in it
-has a row (``solve/condensed/rows``): with these no displacement inside is found.
+has a row (``solve/condensed/bulk/rows.py``): with these no displacement inside is found.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from fenics_contact.evaluate.internal_forces import Balances, InternalForces
 from fenics_contact.evaluate.rows_of_body import RowsOfBody, prescribed
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalars.body_scalar import ScalarState
+from fenics_contact.solve.condensed.bulk.rows import GivenState
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.condensed.rows.row import GivenState
 from fenics_contact.solve.newton.solution import Solution
 
 

@@ -13,7 +13,7 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.inertia.moving import moving
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import DAMPING_WORK, KINETIC_ENERGY, MOMENTUM
-from fenics_contact.solve.load_steps.motion_steps import forces_of_step
+from fenics_contact.solve.load_steps.load_stepper import forces_of_step
 from fenics_contact.solve.newton.solution import Solution
 
 

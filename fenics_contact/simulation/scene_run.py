@@ -46,7 +46,7 @@ from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.wear_cycle import WearCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
-from fenics_contact.solve.load_steps.static_start import begin_motion
+from fenics_contact.solve.load_steps.load_stepper import begin_motion
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
 

@@ -26,9 +26,12 @@ from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
-from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
-from fenics_contact.solve.load_steps.listener import StepListener
+from fenics_contact.solve.load_steps.accepted_step import (
+    AcceptedStep,
+    AuxiliaryState,
+    StepListener,
+    Unknowns,
+)
 from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.solver_choice import Condense, SolverChoice

@@ -1,12 +1,19 @@
-"""How far to go along a Newton step: where the energy's derivative along it vanishes.
+"""How far Newton's method goes along its steps: searches, their options, damped steps.
 
-What is searched by bracketing never goes beyond the step, and always ends near the zero. Secants
-ask for a few tries at most, and are for where steps follow that correct each other.
+How far to go along a Newton step: where the energy's derivative along it vanishes. What is
+searched by bracketing never goes beyond the step, and always ends near the zero. Secants ask for a
+few tries at most, and are for where steps follow that correct each other.
+
+Shorter steps where full ones go round in circles. Full Newton steps on contact and friction
+together can come back, after a few of them, to points that touch, stick and slip as before: seen
+where two contacts with friction share an edge, each of which presses on the other's points as
+these slip. A few half steps lead out of the circle, and full ones end the solve as fast as ever.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 # Derivative at the end over that at the start, from which it has vanished; and from
 # which secants are content.
@@ -76,3 +83,78 @@ def search_by_secants(slope_at: Callable[[float], float], slope: float) -> float
         share = min(max(following, _SHORTEST), _LONGEST)
         found = slope_at(share)
     return share
+
+
+# Full steps are best from the adhesive start with the primal-dual tangent, where searches only
+# cost steps or stall in round-off. One-sided contact needs a search on the energy: for a point
+# along the step where its derivative vanishes, which takes no difference of nearly equal energies.
+FULL_STEPS: dict[str, Any] = {"snes_linesearch_type": "basic"}
+# Its absolute tolerance would be in the user's units, and end a solve behind our back.
+ENERGY_SEARCH: dict[str, Any] = {
+    "snes_linesearch_type": "cp",
+    "snes_linesearch_max_it": 3,
+    "snes_linesearch_atol": 1e-300,
+}
+# Where that does not come near enough to the point, as with very flat cells, or with a slender
+# body that would bend far through an obstacle: steps are cut before they are taken.
+THOROUGH_SEARCH = dict(FULL_STEPS)
+
+# Newton steps of the energy search at the most; and how many of them are to bring the imbalance
+# to which share of the least before.
+QUICK = 50
+_LATELY, _FALLS = 5, 0.1
+# Newton steps under each of several softer penalties: the next one begins where they end.
+ON_THE_WAY = 4
+
+
+def comes_no_nearer(imbalances: Sequence[float]) -> bool:
+    """Whether the last steps of a search brought nothing, as where most of them are cut short.
+
+    Args:
+        imbalances: Before every step of the solve so far, the present one last (force).
+    """
+    if len(imbalances) <= 2 * _LATELY:
+        return False
+    return min(imbalances[-_LATELY:]) > _FALLS * min(imbalances[:-_LATELY])
+
+
+# Steps in which the least imbalance so far is to halve at least.
+_PATIENCE = 8
+_PROGRESS = 0.5
+# Steps from the adhesive start in which the imbalance tells nothing.
+_UNTOLD = 3
+# Share of a step, and how many such steps the first time; twice as many each time after.
+_SHARE = 0.5
+_FEWEST, _MOST = 2, 16
+
+
+class Damping:
+    """How much of each full step of one solve to take."""
+
+    def __init__(self) -> None:
+        self._left = 0
+        self._next = _FEWEST
+        self._last = 0  # damped step
+
+    def share(self, imbalances: Sequence[float]) -> float:
+        """Share of the step that comes now.
+
+        Args:
+            imbalances: Before every step of the solve so far, the present one last (force).
+        """
+        count = len(imbalances)
+        if self._left == 0 and self._is_stuck(imbalances):
+            self._left = self._next
+            self._next = min(2 * self._next, _MOST)
+        if self._left == 0:
+            return 1.0
+        self._left -= 1
+        self._last = count
+        return _SHARE
+
+    def _is_stuck(self, imbalances: Sequence[float]) -> bool:
+        """Whether the last full steps brought nothing."""
+        if len(imbalances) <= max(self._last, _UNTOLD) + _PATIENCE:
+            return False
+        before, recent = imbalances[_UNTOLD:-_PATIENCE], imbalances[-_PATIENCE:]
+        return min(recent) > _PROGRESS * min(before)

@@ -11,7 +11,7 @@ from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.energy_balance import EnergyBalance
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import global_quantities
-from fenics_contact.solve.load_steps.listener import AtEachStep
+from fenics_contact.solve.load_steps.accepted_step import AtEachStep
 from fenics_contact.solve.load_steps.load_stepper import solve
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body

@@ -9,7 +9,7 @@ import pytest
 
 from fenics_contact import Contact, Material, Obstacle, Scene, Support
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.memory import contact_unknowns, memory_estimate, memory_terms
+from fenics_contact.solve.solver_choice import contact_unknowns, memory_estimate, memory_terms
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.memory import check
 from fenics_contact.verification.memory.blocks import FLAT, square

@@ -12,8 +12,7 @@ from fenics_contact.common.errors import InputError, MachineError
 from fenics_contact.common.memory import free_memory_for
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import solver_choice
-from fenics_contact.solve.memory import contact_unknowns, memory_estimate
-from fenics_contact.solve.solver_choice import choose_solver
+from fenics_contact.solve.solver_choice import choose_solver, contact_unknowns, memory_estimate
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body, with_solver
 

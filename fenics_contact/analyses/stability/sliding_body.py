@@ -18,7 +18,7 @@ from fenics_contact.contact.state import SLIP
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.modes.linearised_body import LinearisedBody
+from fenics_contact.solve.modes.served import LinearisedBody
 
 # Sizes of the body that have been slid: friction then turns by nothing when points move sideways.
 _FAR = 1e9

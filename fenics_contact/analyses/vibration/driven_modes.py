@@ -13,11 +13,10 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.drive import Drive
 from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.solve.condensed.bulk.rows import Functional
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.condensed.rows.row import Functional
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.solve.load_steps.cycle_watch import change_to_come
-from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import PaceOfCycles
 from fenics_contact.solve.newton.solution import Solution

@@ -13,7 +13,7 @@ from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import total
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.modes.linearised_body import LinearisedBody
+from fenics_contact.solve.modes.served import LinearisedBody
 
 
 def stuck_modes(system: CondensedSystem, body: CondensedBody, number: int) -> list[Mode]:

@@ -28,12 +28,11 @@ from fenics_contact.simulation.restart import fingerprint, sealed_arrays
 from fenics_contact.simulation.restart.complete_tables import keys_in_format_1
 from fenics_contact.simulation.restart.node_keys import NodalKeys
 from fenics_contact.simulation.restart.row_tables import Rows, SavedTables, write
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
-from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, AuxiliaryState, Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import has_ended
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.systems.body_answer import BodyAnswer
+from fenics_contact.solve.systems.system import BodyAnswer
 
 NAME = "state.npz"
 # Of the file. Those without a number are of format 1, whose fingerprints have keys with defaults.

@@ -13,8 +13,8 @@ import numpy as np
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import from_root
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.bulk.rows import Functional, Row, RowMaker
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.condensed.rows.row import Functional, Row, RowMaker
 
 # Of what is given, what a row is of.
 _LOADS, _HELD = "loads", "held"

@@ -13,8 +13,7 @@ from fenics_contact.simulation.sensitivities.derivatives import Derivatives, der
 from fenics_contact.simulation.sensitivities.kinks import has_kink
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
-from fenics_contact.solve.load_steps.listener import StepListener
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 
 

@@ -25,8 +25,7 @@ from fenics_contact.simulation.sensitivities.history_slopes import history_slope
 from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneChanges
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
-from fenics_contact.solve.load_steps.listener import StepListener
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 # Signs of the cells' errors: as they are, and drawn, lest they seem to cancel.

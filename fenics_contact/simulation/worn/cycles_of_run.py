@@ -14,8 +14,7 @@ from fenics_contact.simulation.restart.state_file import SavedRun
 from fenics_contact.simulation.worn.cycle_history import CycleHistory
 from fenics_contact.simulation.worn.rates import Progress, Rates
 from fenics_contact.simulation.worn.wear_cycles import WearCycles, with_depths
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
-from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, AuxiliaryState
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.budget import ErrorBudget

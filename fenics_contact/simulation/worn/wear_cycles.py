@@ -28,8 +28,7 @@ from fenics_contact.scene.steps import Steps
 from fenics_contact.simulation.worn.rates import Progress, Rates
 from fenics_contact.simulation.worn.sticking import Sticking
 from fenics_contact.simulation.worn.wear_cycle import SETTLING, WearCycle
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
-from fenics_contact.solve.load_steps.listener import StepListener
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.linear_theory.worn_width import worn_share

@@ -19,7 +19,7 @@ from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import from_root, gathered_on_root, total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.condensed.contact_jump import ContactJump
+from fenics_contact.solve.condensed.condensed_contacts import ContactJump
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 

@@ -14,7 +14,7 @@ from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
-from fenics_contact.solve.systems.pair_stiffness import Entries
+from fenics_contact.solve.systems.contact_stiffness import Entries
 
 # As LAPACK gives it: LU, pivots, and whether it is singular.
 _Factor = tuple[Array, Integers, int]

@@ -20,14 +20,13 @@ from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.inertia.states import StepStiffness
 from fenics_contact.problem.scalars.scalar import PrescribedDisplacement, ScalarUnknown
+from fenics_contact.solve.condensed.bulk.kept_rows import BodyRows
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
+from fenics_contact.solve.condensed.bulk.rows import Functional, RowMaker
 from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
-from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
+from fenics_contact.solve.condensed.condensed_loads import CondensedLoads, LoadsOfBody
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
-from fenics_contact.solve.condensed.present_loads import LoadsOfBody
-from fenics_contact.solve.condensed.rows.body_rows import BodyRows
-from fenics_contact.solve.condensed.rows.row import Functional, RowMaker
 from fenics_contact.solve.condensed.scalar_border import CondensedScalars
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_dofs import ContactDofs

@@ -24,12 +24,11 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts
-from fenics_contact.solve.condensed.present_loads import PresentLoads
-from fenics_contact.solve.condensed.tangent_operator import TangentOperator
+from fenics_contact.solve.condensed.condensed_loads import PresentLoads
+from fenics_contact.solve.condensed.tangent import TangentOperator
 from fenics_contact.solve.condensed.unknowns import ContactVariables
-from fenics_contact.solve.systems.body_answer import BodyAnswer, FindBody, LazyDisplacement
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from fenics_contact.solve.systems.system import System
+from fenics_contact.solve.systems.system import BodyAnswer, FindBody, LazyDisplacement, System
 
 # Contact dofs from which the passes of a loop on the pressure cost more than the factorisation.
 _MANY = 1000

@@ -8,6 +8,7 @@ Qᵀ W Q, which would be full, is never made.
 from __future__ import annotations
 
 import numpy as np
+from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
@@ -15,7 +16,7 @@ from fenics_contact.solve.condensed.compliance_solver import ComplianceSolver
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.scalar_border import ScalarBorder
 from fenics_contact.solve.condensed.split_solver import SplitSolver
-from fenics_contact.solve.systems.pair_stiffness import Entries
+from fenics_contact.solve.systems.contact_stiffness import Entries
 
 # Contact dofs up to which a dense inverse costs next to nothing.
 _FEW = 400
@@ -182,3 +183,22 @@ class ContactTangent:
         count = np.concatenate([np.ones(len(sizes)), derived.sum(axis=1)])
         inner = constant.magnitude(sizes) + count @ (abs(self._added) @ every)
         return float(inner + self.border.magnitude(sizes, np.abs(values[constant.size :])))
+
+
+class TangentOperator:
+    """The dense tangent as a matrix and as a preconditioner; only rank 0 has one, and all rows."""
+
+    def __init__(self, dense: ContactTangent | None) -> None:
+        self._dense = dense
+
+    def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
+        """M y."""
+        if self._dense is not None:
+            with result as array:
+                array[:] = self._dense.multiply(np.array(values.array_r))
+
+    def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
+        """M⁻¹ r."""
+        if self._dense is not None:
+            with solution as array:
+                array[:] = self._dense.solve(np.array(right.array_r))

@@ -1,5 +1,8 @@
 """The loop on the contact pressure: Section 4.1 of the paper, case (ii), its Steps 1 to 4.
 
+Anderson's acceleration of a fixed-point iteration on arrays spread over the ranks. D. G. Anderson,
+J. ACM 12 (1965) 547-560; H. F. Walker and P. Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735.
+
 Friction is bounded by μ p, and the pressure p is not known. The paper alternates:
 
 1. contact without friction;
@@ -17,17 +20,133 @@ from __future__ import annotations
 import logging
 
 import numpy as np
+from mpi4py import MPI
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import NotConvergedError
-from fenics_contact.common.parallel import largest
+from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.noise import all_round_off
-from fenics_contact.solve.coulomb.anderson import Anderson
-from fenics_contact.solve.coulomb.convergence import OuterMonitor
 from fenics_contact.solve.coulomb.monolithic import solve_coupled
 from fenics_contact.solve.coulomb.without_friction import contact_without_friction
+from fenics_contact.solve.newton.failure import Chatter
 from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.status_cycling import Chatter
+
+_MEMORY = 5
+# Steps whose residuals depend on each other to this are not used together.
+_CUT = 1e-10
+
+
+class Anderson:
+    """Next iterates x from pairs (x, G(x)), arrays of non-negative numbers.
+
+    G has kinks, where points begin to slip: pairs from beyond one mislead. So all earlier
+    ones are forgotten whenever the residual grows.
+
+    Args:
+        comm: Communicator; ``next`` is collective.
+        counted: Which entries of each array this rank counts.
+    """
+
+    def __init__(self, comm: MPI.Comm, counted: list[Flags]) -> None:
+        self._comm = comm
+        self._counted = np.concatenate(counted)
+        self._pairs: list[tuple[Array, Array]] = []
+        self._size = np.inf
+
+    def next(self, arrays: list[Array], images: list[Array]) -> list[Array]:
+        """The combination of the last images whose residual is least."""
+        x, image = np.concatenate(arrays), np.concatenate(images)
+        mine = (image - x)[self._counted]
+        size = float(total(self._comm, mine @ mine))
+        kept = self._pairs[-_MEMORY:] if size <= self._size else []
+        self._pairs, self._size = [*kept, (image, image - x)], size
+        differences = [
+            (self._pairs[-1][0] - old, self._pairs[-1][1] - residual)
+            for old, residual in self._pairs[:-1]
+        ]
+        found = image
+        if differences:
+            residuals = np.array([r for _, r in differences])
+            counted = residuals[:, self._counted]
+            gram = total(self._comm, counted @ counted.T)
+            right = total(self._comm, counted @ mine)
+            shares = np.linalg.lstsq(gram, right, rcond=_CUT)[0]
+            found = image - shares @ np.array([d for d, _ in differences])
+        found = np.maximum(found, 0.0)
+        return np.split(found, np.cumsum([len(array) for array in arrays])[:-1])
+
+
+# The loop is left where it has not come nearer in this many passes.
+_PATIENCE = 8
+# Changes from which the contraction is still taken, over the peak: smaller ones are round-off.
+_ROUND_OFF = 1e-11
+# Pairs of passes that the contraction is the largest of.
+_LATEST = 3
+
+
+class OuterMonitor:
+    """Follows the map from pressures to pressures; all calls are collective.
+
+    Attributes:
+        change: Of the pressures in the last pass, over their peak.
+
+    Args:
+        chatter: What the contact points do.
+        comm: Communicator.
+    """
+
+    def __init__(self, chatter: Chatter, comm: MPI.Comm) -> None:
+        self._chatter, self._comm = chatter, comm
+        self.change = np.inf
+        self._best, self._since = np.inf, 0
+        self._last: tuple[Array, Array] | None = None
+        self._ratios: list[float] = []
+        chatter.clear()
+
+    @property
+    def contraction(self) -> float | None:
+        """Estimate of the map's Lipschitz constant, by secants; None before two passes.
+
+        ‖G(p) − G(p')‖ over ‖p − p'‖, in the largest norm, of successive passes: it does not
+        depend on how p is accelerated. The loop by itself needs a value below 1.
+        """
+        return max(self._ratios[-_LATEST:]) if self._ratios else None
+
+    @property
+    def is_stalled(self) -> bool:
+        """Whether the pressures have come no nearer for some passes."""
+        return self._since >= _PATIENCE
+
+    def see(self, before: list[Array], after: list[Array]) -> float:
+        """Take a pass from pressures at the contacts to new ones (stress).
+
+        Returns:
+            The change over the peak.
+        """
+        self._chatter.note()
+        x, image = np.concatenate(before), np.concatenate(after)
+        peak = largest(self._comm, image)
+        self.change = largest(self._comm, np.abs(image - x)) / peak if peak > 0 else 0.0
+        if self._last is not None:
+            moved = largest(self._comm, np.abs(x - self._last[0]))
+            answered = largest(self._comm, np.abs(image - self._last[1]))
+            if moved > _ROUND_OFF * peak:
+                self._ratios.append(answered / moved)
+        self._last = x, image
+        if self.change < 0.9 * self._best:
+            self._best, self._since = self.change, 0
+        else:
+            self._since += 1
+        return self.change
+
+    def words(self) -> str:
+        """How the loop went, for who reads that it failed."""
+        words = f"no progress in {_PATIENCE} passes: " if self.is_stalled else ""
+        words += f"the pressures still change by {self.change:.1e} of their peak"
+        if self.contraction is not None:
+            words += f", and a pass multiplies differences by {self.contraction:.2g}"
+        return words + self._chatter.words("passes")
+
 
 logger = logging.getLogger(__name__)
 

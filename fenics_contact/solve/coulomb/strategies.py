@@ -17,8 +17,7 @@ from fenics_contact.solve.coulomb.alternating_loop import (
     LaggedLoop,
     StalledError,
 )
-from fenics_contact.solve.coulomb.giving_up import GrowsError
-from fenics_contact.solve.coulomb.monolithic import continuation, fit_scale, monolithic
+from fenics_contact.solve.coulomb.monolithic import GrowsError, continuation, fit_scale, monolithic
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
 

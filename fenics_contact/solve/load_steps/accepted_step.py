@@ -1,9 +1,10 @@
-"""An accepted load step as it is kept, and how the next one compares with it."""
+"""An accepted load step as it is kept, and what is told of it or goes on from it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -156,3 +157,58 @@ def contact_change(problem: Problem, before: AcceptedStep | None, found: Solutio
     if touching.min() == 0:  # the first touch, or the last: no step makes it small
         return 0.0
     return float(max(changed, sticking) / touching.max())
+
+
+class StepListener:
+    """Listener of accepted load steps; a subclass overrides the events that it needs.
+
+    What happens after the last step follows the call of ``LoadSteps.solve``: the system is still
+    there then, and no listener is needed for it.
+    """
+
+    def accepted(self, step: AcceptedStep) -> None:
+        """A load step is accepted, in whose state the problem still is; collective.
+
+        Args:
+            step: The load step. Friction does not yet count its slip from there.
+        """
+
+    def completed(self) -> None:
+        """The last load step is done with, and the next one's size known; collective.
+
+        Another run can go on from here.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class AtEachStep(StepListener):
+    """Calls a function at each load step that is accepted.
+
+    Attributes:
+        call: Gets the pseudo-time and the solution; collective.
+    """
+
+    call: Callable[[float, Solution], None]
+
+    def accepted(self, step: AcceptedStep) -> None:
+        """Call the function; collective."""
+        self.call(step.time, step.solution)
+
+
+@dataclass(frozen=True, eq=False)
+class AuxiliaryState:
+    """State that is kept besides the last load step, such as where a motion's step began.
+
+    Attributes:
+        said: What is no array, as JSON has it.
+        at_points: Of each contact, by name: values at its points, (points,); none of none.
+        nodal: By name: values at the body's nodes of this rank, (nodes, components).
+    """
+
+    said: dict[str, Any] = field(default_factory=dict)
+    at_points: list[dict[str, Array]] = field(default_factory=list)
+    nodal: dict[str, Array] = field(default_factory=dict)
+
+    def of_contact(self, number: int) -> dict[str, Array]:
+        """The values at the points of a contact."""
+        return self.at_points[number] if self.at_points else {}

@@ -17,13 +17,13 @@ from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Steps
 from fenics_contact.solve.load_steps.accepted_step import (
     AcceptedStep,
+    AuxiliaryState,
     StepEnd,
+    StepListener,
     Unknowns,
     contact_change,
 )
-from fenics_contact.solve.load_steps.auxiliary_state import AuxiliaryState
 from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
-from fenics_contact.solve.load_steps.listener import StepListener
 from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
 from fenics_contact.solve.load_steps.step_tries import StepTries, Warm
 from fenics_contact.solve.newton.newton import Newton

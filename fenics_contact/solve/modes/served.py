@@ -1,6 +1,7 @@
-"""Products with M and solves with K for an eigenvalue solver that runs on rank 0 alone.
+"""Solves with the kept factorisation for eigenvalues of a body about a state.
 
-The other ranks serve these two until rank 0 is done.
+Products with M and solves with K for an eigenvalue solver that runs on rank 0 alone. The other
+ranks serve these two until rank 0 is done.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from fenics_contact.body.spaces import Spaces, of_owners
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import from_root, gathered_on_root, of_every_rank
+from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 
 Nodal = Callable[[Array], Array]
 Vectors = Mapping[str, Callable[[Array], Array]]
@@ -91,3 +94,34 @@ class ServedOperators:
         own = whole[self._ends[rank] - count : self._ends[rank]]
         index_map = spaces.displacement_space.dofmap.index_map
         return of_owners(index_map, own.reshape(-1, spaces.components))
+
+
+class LinearisedBody:
+    """A body by the tangents that its contacts have; collective, as all its methods.
+
+    Args:
+        system: In the state.
+        body: Its body.
+    """
+
+    def __init__(self, system: CondensedSystem, body: CondensedBody) -> None:
+        self._system, self._body = system, body
+        system.linearise(system.state)
+
+    def solve(self, nodal: Array) -> Array:
+        """Change of the displacement by small forces.
+
+        Args:
+            nodal: At the nodes of this rank, (nodes, components) (force).
+
+        Returns:
+            Likewise (length); 0 where supports hold.
+        """
+        system, body = self._system, self._body
+        load = body.stiffness.load(nodal, np.zeros_like(nodal), body.held)
+        condensed = body.bulk.condense(load)
+        on_scalars = body.scalars.from_loads(load, np.zeros_like(load))
+        at_contacts, scalars = system.change(condensed, on_scalars)
+        for value, one in zip(scalars, body.scalars.loads, strict=True):
+            load += value * one
+        return body.stiffness.at_nodes(body.bulk.expand(load, at_contacts))

@@ -12,13 +12,12 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.newton.beginning import Beginning
+from fenics_contact.solve.line_search import ENERGY_SEARCH, ON_THE_WAY, THOROUGH_SEARCH
+from fenics_contact.solve.newton.continuation import PenaltyPath, SpringControl
 from fenics_contact.solve.newton.failure import lost_in_roundoff, runaway
-from fenics_contact.solve.newton.penalty_path import PenaltyPath
-from fenics_contact.solve.newton.searches import ENERGY_SEARCH, ON_THE_WAY, THOROUGH_SEARCH
+from fenics_contact.solve.newton.initial_guess import Beginning
 from fenics_contact.solve.newton.snes_solve import SnesSolve
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.newton.spring_control import SpringControl
 from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)

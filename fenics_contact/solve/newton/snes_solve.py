@@ -21,27 +21,25 @@ from fenics_contact.common.petsc.options import PREFIX
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.noise import round_off
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.line_search import share_of_step
-from fenics_contact.solve.newton.damping import Damping
-from fenics_contact.solve.newton.factorisation_log import FactorisationLog
+from fenics_contact.solve.line_search import (
+    ENERGY_SEARCH,
+    FULL_STEPS,
+    QUICK,
+    THOROUGH_SEARCH,
+    Damping,
+    comes_no_nearer,
+    share_of_step,
+)
+from fenics_contact.solve.newton.continuation import PenaltyPath, SpringControl, run_far
 from fenics_contact.solve.newton.failure import (
     GIVEN_UP,
     NO_SOLVE,
     NO_STEP_FOUND,
     NOT_A_NUMBER,
+    Chatter,
     not_converged,
 )
-from fenics_contact.solve.newton.penalty_path import PenaltyPath
-from fenics_contact.solve.newton.searches import (
-    ENERGY_SEARCH,
-    FULL_STEPS,
-    QUICK,
-    THOROUGH_SEARCH,
-    comes_no_nearer,
-)
-from fenics_contact.solve.newton.spring_control import SpringControl, run_far
-from fenics_contact.solve.newton.status_cycling import Chatter
-from fenics_contact.solve.newton.step_budget import StepBudget
+from fenics_contact.solve.newton.solve_limits import FactorisationLog, StepBudget
 from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)

@@ -8,7 +8,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
 from fenics_contact.problem.scalars.body_scalar import ScalarState
 from fenics_contact.results.records.cycles import CycleEnd
-from fenics_contact.solve.systems.body_answer import FindBody
+from fenics_contact.solve.systems.system import FindBody
 
 
 @dataclass(frozen=True, eq=False)

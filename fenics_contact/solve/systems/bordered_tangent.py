@@ -14,8 +14,7 @@ from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalars.scalar import ScalarUnknown
-from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from fenics_contact.solve.systems.pair_stiffness import Entries, PairStiffness
+from fenics_contact.solve.systems.contact_stiffness import Entries, PairStiffness, SurfaceMatrix
 
 
 class AddedTangents:

@@ -1,14 +1,16 @@
-"""The system that Newton's method solves: bulk, contacts and scalars in balance.
+"""The system that Newton's method solves, bulk, contacts and scalars in balance; its answer.
 
-A system turns PETSc's vectors of unknowns into jumps of the contacts, and forces of the contacts
-into residuals and tangents. The full one has every displacement as an unknown, the condensed one
-only those of the contact surfaces.
+A system turns
+PETSc's vectors of unknowns into jumps of the contacts, and forces of the contacts into residuals
+and tangents. The full one has every displacement as an unknown, the condensed one only those of
+the contact surfaces.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,7 +21,45 @@ from fenics_contact.common.parallel import from_root, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalars.scalar import ScalarUnknown
-from fenics_contact.solve.systems.body_answer import FindBody
+
+
+@dataclass(frozen=True, eq=False)
+class BodyAnswer:
+    """Nodal values of this rank, each of shape (nodes, components), ghosts included.
+
+    Attributes:
+        displacement: u (length).
+        internal_force: K u, from the bulk alone (force).
+        round_off: Largest that round-off may leave of the balance inside the body; 0 where the
+            imbalance has it already (force).
+    """
+
+    displacement: Array
+    internal_force: Array
+    round_off: float = 0.0
+
+
+# Gives it; collective.
+FindBody = Callable[[], BodyAnswer]
+
+
+class LazyDisplacement:
+    """Finds the answer when it is asked for first, and lets go of what finds it.
+
+    Args:
+        find: Collective. It also sets the problem's functions to the answer.
+    """
+
+    def __init__(self, find: FindBody) -> None:
+        self._find: FindBody | None = find
+        self._found: BodyAnswer | None = None
+
+    def __call__(self) -> BodyAnswer:
+        """The answer; collective."""
+        if self._find is not None:
+            self._found, self._find = self._find(), None
+        assert self._found is not None
+        return self._found
 
 
 class System(ABC):

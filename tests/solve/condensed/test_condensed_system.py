@@ -25,7 +25,7 @@ from fenics_contact import (
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
-from fenics_contact.solve.condensed.bulk import local_factor
+from fenics_contact.solve.condensed.bulk import part_factors
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
@@ -395,7 +395,7 @@ def test_obstacle_that_only_held_nodes_touch():
 
 def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
     """MUMPS runs out of workspace on the last rank; S would be anything."""
-    plain = local_factor._of_mumps
+    plain = part_factors._of_mumps
 
     def without_memory(operator, kind):
         found = plain(operator, kind)
@@ -403,7 +403,7 @@ def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
         return found
 
     if COMM.rank == COMM.size - 1:
-        monkeypatch.setattr(local_factor, "_of_mumps", without_memory)
+        monkeypatch.setattr(part_factors, "_of_mumps", without_memory)
         monkeypatch.setattr(mumps, "SPARE_WORKSPACE", (-90, -80))
     scene = with_solver(pressed(), solver="condensed")
     with pytest.raises(MachineError, match="MUMPS"):

@@ -218,7 +218,7 @@ def test_linear_solves_that_come_to_nothing_are_given_up(monkeypatch):
     """Each costs as many cycles as are allowed; a hundred Newton steps of them took minutes."""
     monkeypatch.setattr("fenics_contact.solve.iterative.nonlinear_elimination._MOST_ITERATIONS", 1)
     # What is gained is nothing.
-    monkeypatch.setattr("fenics_contact.solve.iterative.forcing_terms._GAIN", 1e-3)
+    monkeypatch.setattr("fenics_contact.solve.iterative.nonlinear_elimination._GAIN", 1e-3)
     scene = dataclasses.replace(
         sphere(steps=1), solver=SolverSettings(strategy="monolithic", max_iterations=60)
     )

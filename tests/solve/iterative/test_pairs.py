@@ -24,10 +24,9 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.iterative.carried_slaves import cannot_be_carried
-from fenics_contact.solve.iterative.free_bodies import FreeBodies
+from fenics_contact.solve.iterative.contact_zone import cannot_be_carried
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
-from fenics_contact.solve.iterative.preconditioner import Preconditioner
+from fenics_contact.solve.iterative.preconditioner import FreeBodies, Preconditioner
 from fenics_contact.solve.solver_choice import choose_solver
 from fenics_contact.solve.systems.full_system import FullSystem
 from fenics_contact.verification.boxes import Box, boxes

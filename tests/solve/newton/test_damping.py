@@ -4,7 +4,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Run, Scene, Support
-from fenics_contact.solve.newton.damping import Damping
+from fenics_contact.solve.line_search import Damping
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import with_solver
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fenics_contact import main
-from fenics_contact.solve.newton.spring_control import SpringControl
+from fenics_contact.solve.newton.continuation import SpringControl
 from fenics_contact.solve.systems.step_springs import sprung
 
 

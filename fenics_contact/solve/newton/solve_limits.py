@@ -1,9 +1,11 @@
-"""How many steps of Newton's method what follows an answer may take."""
+"""What solves by Newton's method may take, in steps, and did take, in seconds of factorisations."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+from petsc4py import PETSc
 
 from fenics_contact.common.errors import FenicsContactError, NotConvergedError
 
@@ -61,3 +63,20 @@ class StepBudget:
         """
         if self.is_used_up:
             raise BudgetExceededError(self._words)
+
+
+class FactorisationLog:
+    """Seconds that PETSc spends on factorisations from now on."""
+
+    _EVENTS = ("MatLUFactorSym", "MatLUFactorNum")
+
+    def __init__(self) -> None:
+        PETSc.Log.begin()
+        self._before = self._read()
+
+    def _read(self) -> float:
+        return float(sum(PETSc.Log.Event(name).getPerfInfo()["time"] for name in self._EVENTS))
+
+    def seconds(self) -> float:
+        """Seconds that factorisations have taken since the start."""
+        return self._read() - self._before

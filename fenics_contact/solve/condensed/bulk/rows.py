@@ -1,5 +1,7 @@
 """Numbers of the body that are linear in its displacement, without the displacement.
 
+Numbers of the body that are linear in its displacement, without the displacement.
+
 Such a number is L = t · u + a · r: t forces on the displacements, a displacements of what is held,
 r the reactions there. Its *row* is the adjoint state v, with v = a at what is held, nothing at the
 contact dofs, and K v = −t inside. As K is symmetric,
