@@ -13,6 +13,7 @@ only at first order.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import ufl
@@ -24,13 +25,12 @@ from fenics_contact.body import materials as material
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.forms import Expr
-from fenics_contact.body.materials import Elasticities
-from fenics_contact.body.parts.preloaded_part import PreloadedPart
-from fenics_contact.body.parts.scalar_forces import ScalarForces
-from fenics_contact.body.reference_moduli import Moduli
+from fenics_contact.body.materials import Elasticities, Moduli
+from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 
@@ -229,3 +229,53 @@ def _cell_covariance(mesh: Mesh, s: Expr, t: Expr) -> Expr:
     jacobian = ufl.Jacobian(mesh)
     slopes = [jacobian.T * ufl.grad(function) for function in (s, t)]
     return ufl.dot(slopes[0], ufl.dot(ufl.as_matrix(covariance.tolist()), slopes[1]))
+
+
+class ModulusSlopes:
+    """ψ · K_θ u of a modulus θ of a material; collective.
+
+    Args:
+        elastic: The body, of isotropic materials.
+        spaces: Those of it.
+    """
+
+    def __init__(self, elastic: ElasticBody, spaces: Spaces) -> None:
+        self._elastic, self._spaces = elastic, spaces
+        self._state, self._virtual = self._functions(), self._functions()
+        self._forms: dict[tuple[str, str], fem.Form] = {}
+
+    def _functions(self) -> tuple[fem.Function, fem.Function | None]:
+        """Displacement, and mean stress where that is an unknown."""
+        mixed = self._elastic.mixed
+        stress = None if mixed is None else fem.Function(mixed.mean_stress.function_space)
+        return fem.Function(self._spaces.displacement_space), stress
+
+    def work(
+        self, name: str, on: str, state: tuple[Array, Array], virtual: tuple[Array, Array]
+    ) -> float:
+        """This rank's part of ψ · K_θ u.
+
+        Args:
+            name: ``youngs_modulus`` or ``poissons_ratio``.
+            on: Group of cells of the material, empty where it fills the body.
+            state: u at the nodes of this rank, (nodes, components), and its mean stress at the dofs
+                of this rank, empty without one.
+            virtual: The same of ψ.
+        """
+        if (name, on) not in self._forms:
+            self._forms[name, on] = form_cache.form(self._work(name, on))
+        for functions, values in ((self._state, state), (self._virtual, virtual)):
+            for function, array in zip(functions, values, strict=True):
+                if function is not None:
+                    function.x.array[:] = array.reshape(-1)
+        return float(np.real(fem.assemble_scalar(self._forms[name, on])))
+
+    def _work(self, name: str, on: str) -> Any:
+        law, spaces = self._elastic.law, self._spaces
+        assert isinstance(law, Isotropic)
+        free = Isotropic(ufl.variable(law.youngs_modulus), ufl.variable(law.poissons_ratio))
+        density = self._elastic.virtual_work(free, self._state, self._virtual)
+        rule = {"quadrature_degree": spaces.bulk_degree}
+        group = spaces.body.group(on, "material.on") if on else None
+        measure = spaces.bulk if group is None else spaces.part(group, rule)
+        return ufl.diff(density, getattr(free, name)) * measure

@@ -11,7 +11,7 @@ from dolfinx import fem
 from scipy.sparse import csr_matrix
 
 from fenics_contact.body.forms import Expr
-from fenics_contact.body.material_points import MaterialPoints
+from fenics_contact.body.materials import MaterialPoints
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache

@@ -1,22 +1,163 @@
-"""The body's elasticities as UFL coefficients, from the scene's materials."""
+"""The body's elasticities as UFL coefficients, from the scene's materials.
+
+Values of the scene's materials at points of the body, and as UFL coefficients. Numbers become
+constants where one material fills the body, else functions on cells; what varies in space is
+interpolated in each cell, between points inside it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from dolfinx import fem
 
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Anisotropic, Isotropic, Law
-from fenics_contact.body.material_points import MaterialPoints
-from fenics_contact.body.reference_moduli import Moduli
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import largest, smallest
+from fenics_contact.common.parallel import largest, raise_together, smallest
 from fenics_contact.scene.material import Material
 from fenics_contact.scene.values import Value
+
+
+@dataclass(frozen=True)
+class Moduli:
+    """Stiffnesses of a body, or of two that touch each other, for estimates.
+
+    Attributes:
+        reference: Young's modulus, or the largest eigenvalue of E_ijkl (stress).
+        poissons_ratio: −1 where there is none.
+        is_plane_stress: Whether the thickness is free.
+        opposite: Those of a second body.
+    """
+
+    reference: float
+    poissons_ratio: float
+    is_plane_stress: bool
+    opposite: Moduli | None = None
+
+    def against(self, other: Moduli) -> Moduli:
+        """Two bodies that touch each other: their compliances add up."""
+        return replace(self, opposite=other)
+
+    @cached_property
+    def combined(self) -> float:
+        """``reference`` of both bodies (stress)."""
+        return self._with(self.reference, "combined")
+
+    @cached_property
+    def plane_strain(self) -> float:
+        """E/(1 − ν²), or E in plane stress; of two bodies E* (K. L. Johnson, (4.1)) (stress)."""
+        own = self.reference
+        if not self.is_plane_stress and self.poissons_ratio > -1:
+            own /= 1 - self.poissons_ratio**2
+        return self._with(own, "plane_strain")
+
+    @cached_property
+    def confined(self) -> float:
+        """E (1 − ν) / ((1 + ν)(1 − 2ν)): stress over uniaxial strain (stress)."""
+        own, nu = self.reference, self.poissons_ratio
+        if not self.is_plane_stress and nu > -1:
+            own *= max((1 - nu) / ((1 + nu) * (1 - 2 * nu)), 1.0)
+        return self._with(own, "confined")
+
+    def _with(self, own: float, name: str) -> float:
+        if self.opposite is None:
+            return own
+        return 1 / (1 / own + 1 / float(getattr(self.opposite, name)))
+
+
+class MaterialPoints:
+    """The points of a discontinuous space, and which material each is of; collective.
+
+    Attributes:
+        space: Constants in each cell; or, where a value varies, of a degree that energies keep up
+            with. Its nodes lie inside the cells, so that a jump between cells stays one.
+        owner: Number of the material at each of its points.
+
+    Args:
+        materials: Of the scene.
+        spaces: Of the body.
+        varies: Whether any of the values is a function of position.
+
+    Raises:
+        InputError: A cell has no material, or two.
+    """
+
+    def __init__(self, materials: Sequence[Material], spaces: Spaces, varies: bool) -> None:
+        self._spaces, self._materials = spaces, materials
+        self._keys = [
+            f"material[{i}]" if len(materials) > 1 else "material" for i in range(len(materials))
+        ]
+        mesh, degree = spaces.body.mesh, 0
+        if varies:
+            degree = spaces.degree - (0 if compat.is_tensor_cell(mesh) else 1)
+        self.space = fem.functionspace(mesh, compat.interior_element(mesh, degree))
+        self._points = self.space.tabulate_dof_coordinates().T
+        self.owner = self._find_owners()
+
+    def _find_owners(self) -> Integers:
+        """Number of the material at each point; every cell must have exactly one."""
+        body, comm = self._spaces.body, self._spaces.comm
+        index_map = body.mesh.topology.index_map(body.dimension)
+        owner = np.full(index_map.size_local + index_map.num_ghosts, -1)
+        error = None
+        for number, (key, material) in enumerate(zip(self._keys, self._materials, strict=True)):
+            cells: AnyIntegers | slice = slice(None)
+            if material.on:
+                group = body.group(material.on, f"{key}.on")
+                if group.dimension != body.dimension:
+                    raise InputError(f"{key}.on = '{material.on}': must be a part of the body")
+                cells = body.entities(group)
+            if (owner[cells] >= 0).any():
+                error = InputError(
+                    f"{key}.on = '{material.on}': shares cells with another material"
+                )
+            owner[cells] = number
+        raise_together(comm, error)
+        if (owner < 0).any():
+            error = InputError("material: some cells of the body have none; give each its own")
+        raise_together(comm, error)
+        owner_of_point = np.empty(self._points.shape[1], dtype=np.int64)
+        owner_of_point[self.space.dofmap.list] = owner[:, None]
+        return owner_of_point
+
+    def evaluate(self, name: str, values: Sequence[Value]) -> Array:
+        """One coefficient at all points: value i where material i is; collective.
+
+        Args:
+            name: Of its key.
+            values: One of each material.
+
+        Raises:
+            InputError: A function fails, or gives what is not finite.
+        """
+        found = np.zeros(len(self.owner))
+        for number, value in enumerate(values):
+            mine = self.owner == number
+            key = f"{self._keys[number]}.{name}"
+            found[mine] = self._spaces.evaluate_at(value, self._points[:, mine], key)
+        return found
+
+    def coefficient(self, values: Array) -> fem.Constant | fem.Function:
+        """A constant where the values are all the same, else a function; collective.
+
+        Args:
+            values: At all points.
+        """
+        comm = self._spaces.comm
+        least = smallest(comm, values)
+        if least == largest(comm, values):
+            return fem.Constant(self._spaces.body.mesh, least)
+        function = fem.Function(self.space)
+        function.x.array[:] = values
+        return function
+
 
 NEARLY_INCOMPRESSIBLE = 0.49
 _STEEP = " (between the points where it is evaluated, too: a jump needs materials of its own)"

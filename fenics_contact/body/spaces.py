@@ -16,10 +16,10 @@ from dolfinx.common import IndexMap
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import measure_weight
 from fenics_contact.body.forms import Expr
-from fenics_contact.body.parts.connected_parts import Parts
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError

@@ -1,24 +1,82 @@
-"""Facets of a body that stand for a curve, and how far the curve lies outside of them.
+"""What a mesh misses of curved sides and of functions, and a body in cells of half the size.
 
-Straight cells have the nodes of a curved side on the curve, and chords between them.
+Facets of a body that stand for a curve, and how far the curve lies outside of them. Straight cells
+have the nodes of a curved side on the curve, and chords between them.
+
+Functions of the place that a scene gives, as they are between nodes too. Loads act with values
+that are interpolated between the nodes of the body's own element. What functions are besides is
+seen by elements of a higher degree.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
 
 import basix
 import numpy as np
 import ufl
 from dolfinx import fem
+from scipy.spatial import cKDTree
 
 from fenics_contact.body.forms import Expr
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import AnyIntegers, Array, Flags
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, largest, of_every_rank
-from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised, reference_nodes
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
-from fenics_contact.mesh.tagged_mesh import Group
-from fenics_contact.problem.sampled_values import on_side
+from fenics_contact.mesh.refinement import halved
+from fenics_contact.mesh.tagged_mesh import Body, Group
+from fenics_contact.scene.values import Value
+
+# Of the elements, by dimension: a step within a cell is then found to a tenth of the cell.
+_DEGREES = {2: 6, 3: 4}
+# Of reference coordinates: what lies on a side of the reference cell.
+_ON_SIDE = 1e-9
+
+
+def sampled(spaces: Spaces, values: Sequence[Value], group: Group, key: str) -> Expr:
+    """Values on a group, a dolfinx function of one or all components; collective.
+
+    Args:
+        spaces: Those of the body.
+        values: One of each component.
+        group: Cells or facets; the function means something there alone.
+        key: For messages.
+    """
+    mesh, dimension = spaces.body.mesh, spaces.body.dimension
+    shape = (len(values),) if len(values) > 1 else ()
+    space = fem.functionspace(mesh, ("DG", _DEGREES[dimension], shape))
+    places = compat.interpolation_points(space.element)
+    if group.dimension == dimension:
+        dofs = [space.dofmap.list[spaces.body.entities(group)].ravel()]
+    else:
+        pairs = spaces.facets(group)
+        cell = getattr(basix.CellType, mesh.topology.cell_name())
+        dofs = [
+            space.dofmap.list[pairs[pairs[:, 1] == side, 0]][:, on_side(cell, side, places)[0]]
+            for side in np.unique(pairs[:, 1]).tolist()
+        ]
+    chosen = np.unique(np.concatenate([np.zeros(0, dtype=np.int32), *map(np.ravel, dofs)]))
+    points = space.tabulate_dof_coordinates()[chosen].T
+    function = fem.Function(space)
+    array = function.x.array.reshape(-1, len(values))
+    for axis, value in enumerate(values):
+        array[chosen, axis] = spaces.evaluate_at(value, points, key)
+    return function
+
+
+def on_side(cell: Any, side: int, places: Array) -> tuple[AnyIntegers, Array]:
+    """Which places of the reference cell are on a side of it, and where on that."""
+    dimension = places.shape[1]
+    corners = basix.geometry(cell)[basix.topology(cell)[dimension - 1][side]]
+    axes = (corners[1:dimension] - corners[0]).T
+    reference = (places - corners[0]) @ np.linalg.pinv(axes).T
+    apart = np.linalg.norm(places - corners[0] - reference @ axes.T, axis=1)
+    on = np.flatnonzero(apart < _ON_SIDE)
+    return on, reference[on]
+
 
 # Of the body's extent: what is missed is round-off of the nodes.
 _NONE = 1e-12
@@ -165,3 +223,60 @@ def _among(pairs: AnyIntegers, others: AnyIntegers) -> Flags:
     """Return for each (cell, local facet) whether it is among others."""
     wanted = set(map(tuple, others.tolist()))
     return np.array([tuple(pair) in wanted for pair in pairs.tolist()], dtype=bool)
+
+
+# Of the body's extent: places that are the same but for round-off.
+_SAME = 1e-9
+# Square of the sine of an angle between two sides, below which they are of one curve.
+_TURN = 0.1
+
+
+def halved_body(spaces: Spaces) -> Body:
+    """All edges of its cells halved; collective.
+
+    Without the curves it would be the same polygon, and a ball would never get its weight.
+
+    Args:
+        spaces: Those of a body of cells of order 1.
+    """
+    finer = halved(spaces.body)
+    places, moves = _onto_curves(spaces)
+    nodes = finer.mesh.geometry.x
+    size = spaces.components
+    distance, nearest = cKDTree(places).query(nodes[:, :size])
+    known = distance <= _SAME * np.ptp(places, axis=0).max()
+    nodes[known, :size] += moves[nearest[known]]
+    return finer
+
+
+def _onto_curves(spaces: Spaces) -> tuple[Array, Array]:
+    """Middles of all sides and of their edges, and the way from there to the curve; collective."""
+    facets, _ = gathered_facets(spaces, exterior_pairs(spaces))
+    corners = len(reference_nodes(facets.shape, 1))
+    middles = reference_nodes(facets.shape, 2)[corners:]
+    number = np.repeat(np.arange(len(facets.geometry)), len(middles))
+    reference = np.tile(middles, (len(facets.geometry), 1))
+    places = facets.positions(number, reference)
+    offsets = SmoothSurface(facets).offsets(number, reference)
+    normals = normalised(facets.normals_at_centres())[number]
+    rounded = np.round(places / (_SAME * np.ptp(places, axis=0).max()))
+    _, first, same = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    return places[first], _common(same.reshape(-1), normals, offsets)
+
+
+def _common(same: Integers, normals: Array, offsets: Array) -> Array:
+    """Ways that lead onto all curves of which places are known from several sides.
+
+    Args:
+        same: Number of each place, (sides,).
+        normals: There, (sides, components).
+        offsets: Along them, (sides,).
+
+    Returns:
+        m by least squares of n · m − d, (places, components).
+    """
+    count, size = same.max() + 1, normals.shape[1]
+    squares, right = np.zeros((count, size, size)), np.zeros((count, size))
+    np.add.at(squares, same, normals[:, :, None] * normals[:, None, :])
+    np.add.at(right, same, normals * offsets[:, None])
+    return np.asarray(np.einsum("pij,pj->pi", np.linalg.pinv(squares, rcond=_TURN), right))

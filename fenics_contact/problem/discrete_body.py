@@ -14,8 +14,8 @@ from dolfinx import fem
 
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elastic_body import ElasticBody
-from fenics_contact.body.held_dofs import HeldDofs
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.body.supports import HeldDofs
 from fenics_contact.common.arrays import Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.contact.choice_of_slaves import NamedSurfaces, choose_slaves

@@ -21,14 +21,13 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
-from fenics_contact.problem.drive import Disturbance, Drive
 from fenics_contact.problem.far_field import FarField
-from fenics_contact.problem.inertia.automatic_step import with_time_step
-from fenics_contact.problem.inertia.inertia import AtRest, Inertia
+from fenics_contact.problem.inertia.inertia import AtRest, Inertia, with_time_step
 from fenics_contact.problem.inertia.moving import MovingInertia
 from fenics_contact.problem.loads import given_loads
-from fenics_contact.problem.scalars.body_scalar import BodyScalar, ScalarState
+from fenics_contact.problem.loads.given_load import Disturbance, Drive
 from fenics_contact.problem.scalars.kinds import scalars_of
+from fenics_contact.problem.scalars.scalar import BodyScalar, ScalarState
 from fenics_contact.problem.shared_reactions import SharedReactions
 from fenics_contact.problem.terms import Term, terms_of
 from fenics_contact.results.point_arrays import of_several_contacts

@@ -6,12 +6,12 @@ from functools import partial
 
 import numpy as np
 
-from fenics_contact.body.parts.connected_parts import Parts
+from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.problem.existence.smooth_closing import smooth_closing
+from fenics_contact.problem.existence.rigid_slip import smooth_closing
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
 

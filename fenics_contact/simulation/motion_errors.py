@@ -18,9 +18,9 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.errors import FenicsContactError, MachineError
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import ESTIMATING, doing
-from fenics_contact.mesh.gathered_mesh import is_of_order_1
+from fenics_contact.mesh.refinement import is_of_order_1
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.problem.halved_body import halved_body
+from fenics_contact.problem.curved_sides import halved_body
 from fenics_contact.quantities import table
 from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import ContactRecord

@@ -14,7 +14,7 @@ from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt, failing_together, silently
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBalance
-from fenics_contact.evaluate.moving_forces import MovingForces
+from fenics_contact.evaluate.momentum_balance import MovingForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.mesh.tagged_mesh import Body

@@ -10,11 +10,9 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.contact_quantities import contact_quantities, slid
-from fenics_contact.evaluate.energy_balance import EnergyBalance
+from fenics_contact.evaluate.energy_balance import EnergyBalance, load_records
 from fenics_contact.evaluate.internal_forces import InternalForces
-from fenics_contact.evaluate.load_drives import load_records
-from fenics_contact.evaluate.momentum_balance import MomentumBalance
-from fenics_contact.evaluate.moving_forces import MovingForces
+from fenics_contact.evaluate.momentum_balance import MomentumBalance, MovingForces
 from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem

@@ -30,7 +30,7 @@ from fenics_contact import (
     load_scene,
     main,
 )
-from fenics_contact.body.parts.connected_parts import Parts
+from fenics_contact.body.connected_parts import Parts
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.mesh.loading import load_body

@@ -26,7 +26,7 @@ from fenics_contact import (
     Support,
     run,
 )
-from fenics_contact.body.reference_moduli import Moduli
+from fenics_contact.body.materials import Moduli
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import InputError, NoEquilibriumError
 from fenics_contact.common.parallel import largest, on_root

@@ -6,7 +6,7 @@ import pytest
 from fenics_contact import Material, Run, Scene
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import largest
-from fenics_contact.problem.halved_body import halved_body
+from fenics_contact.problem.curved_sides import halved_body
 from fenics_contact.verification.boxes import Box
 from fenics_contact.verification.rings import quarter_rings
 

@@ -11,7 +11,7 @@ from fenics_contact.analyses.vibration.record import DampingRecord
 from fenics_contact.analyses.vibration.table import Damping
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.problem.drive import Drive
+from fenics_contact.problem.loads.given_load import Drive
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.solve.condensed.bulk.rows import Functional
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem

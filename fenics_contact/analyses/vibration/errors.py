@@ -10,8 +10,8 @@ from fenics_contact.analyses.vibration.record import DampingRecord, ModeRecord
 from fenics_contact.analyses.vibration.vibration import Vibration, vibration_of
 from fenics_contact.common.errors import InputError, MachineError, NotConvergedError
 from fenics_contact.common.timings import Timings
-from fenics_contact.mesh.gathered_mesh import is_of_order_1
-from fenics_contact.problem.halved_body import halved_body
+from fenics_contact.mesh.refinement import is_of_order_1
+from fenics_contact.problem.curved_sides import halved_body
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import ErrorRow
 from fenics_contact.scene.scene import Scene

@@ -16,9 +16,8 @@ import tomlkit
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.wording.plain_names import plain_name, unique_names
-from fenics_contact.mesh.survey.bolts import bolts
 from fenics_contact.mesh.survey.facing import Pair
-from fenics_contact.mesh.survey.loose import loose_pieces
+from fenics_contact.mesh.survey.pieces import bolts, loose_pieces
 from fenics_contact.mesh.survey.survey import FoundSurface, Survey
 
 _REPLACE = "TO BE REPLACED"

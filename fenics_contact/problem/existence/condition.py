@@ -23,11 +23,9 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NoEquilibriumError
 from fenics_contact.common.parallel import on_root, total
-from fenics_contact.problem.existence.cone_projection import separation_from
-from fenics_contact.problem.existence.friction_cones import contact_cones
+from fenics_contact.problem.existence.friction_cones import contact_cones, separation_from
 from fenics_contact.problem.existence.limit_analysis import AT_LIMIT, LimitAnalysis
-from fenics_contact.problem.existence.stabilisation import stabilise
-from fenics_contact.problem.motion_names import named_motions
+from fenics_contact.problem.existence.stabilisation import named_motions, stabilise
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions, null_space, reduced
 from fenics_contact.scene.loading.load_paths import times_to_judge

@@ -25,13 +25,13 @@ from itertools import count
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.problem.existence.cone_projection import (
+from fenics_contact.problem.existence.friction_cones import (
     NO_DISTANCE,
+    ContactCones,
     Ray,
     Separation,
     separation,
 )
-from fenics_contact.problem.existence.friction_cones import ContactCones
 
 # A share of the friction beyond which none would hold.
 _ROUGHEST = 1e6

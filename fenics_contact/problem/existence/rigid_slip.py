@@ -1,10 +1,11 @@
-"""How much of what friction can hold against rigid slip it does hold.
+"""Rigid slip: how much of what friction can hold it does hold, and jumps without facets' turns.
 
-Friction found at the points of contacts, τ with |τ| ≤ g, does work on a rigid motion r; it could do
-∫ g |[r]_T| at the most. The largest ratio of the two over motions along the contacts is the share
-of friction that is used: 0 where friction has no resultant, 1 where all of it slips as one. It is
-also the least s for which tractions within s g have the same force and moment (a linear function
-over a norm; R. T. Rockafellar, Convex Analysis, 1970, Theorem 16.4). Plain arrays, on any one rank.
+How much of what friction can hold against rigid slip it does hold. Friction found at the points of
+contacts, τ with |τ| ≤ g, does work on a rigid motion r; it could do ∫ g |[r]_T| at the most. The
+largest ratio of the two over motions along the contacts is the share of friction that is used: 0
+where friction has no resultant, 1 where all of it slips as one. It is also the least s for which
+tractions within s g have the same force and moment (a linear function over a norm; R. T.
+Rockafellar, Convex Analysis, 1970, Theorem 16.4). Plain arrays, on any one rank.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.common.parallel import largest, total
+from fenics_contact.contact.contact_surface import ContactSurface
 
 # Of the slip that a motion makes: what it may move across surfaces and yet be one along them.
 _ALONG = 1e-3
@@ -134,3 +137,38 @@ def _gram(weights: Array, slips: Array) -> Array:
     """Σ w s_i · s_j over points, (motions, motions)."""
     rows = (np.sqrt(weights)[:, None, None] * slips).reshape(-1, slips.shape[2])
     return np.asarray(rows.T @ rows)
+
+
+# Of the slip of a motion: what is less across a surface is round-off.
+_FLAT = 1e-12
+# Of the jumps of all motions: what is round-off once that is taken off.
+_ROUND_OFF = 1e-9
+
+
+def smooth_closing(contact: ContactSurface, closing: Array, jumps: Array, acts: Flags) -> Array:
+    """Normal jumps without those that facets make of motions along a curved surface; collective.
+
+    A shaft turns in a hub of facets as in a round one: its facets do not hold it.
+
+    Args:
+        contact: The contact.
+        closing: Normal jumps, (points, motions).
+        jumps: Of the motions, (points, components, motions).
+        acts: Which points count.
+    """
+    comm, weights = contact.spaces.comm, contact.trace.weights[acts]
+    every = np.einsum("q,qci,qcj->ij", weights, jumps[acts], jumps[acts])
+    normal = np.einsum("q,qi,qj->ij", weights, closing[acts], closing[acts])
+    every, across = total(comm, np.stack([every, normal]))
+    allowed = allowance(contact.kinematics.facet_turn) ** 2 * (every - across)
+    along, shares = motions_along(across, allowed)
+    left = largest(comm, np.abs(closing[acts] @ along).ravel())
+    size = largest(comm, np.abs(jumps[acts] @ along).ravel())
+    if left <= _FLAT * size:  # of flat surfaces there is nothing but round-off to take off
+        return closing
+    smooth = closing - (closing @ along) @ shares
+    small = _ROUND_OFF * largest(comm, np.abs(jumps[acts]).ravel())
+    # A motion is taken off as a whole: of single numbers, sums would no longer vanish.
+    sizes = [largest(comm, np.abs(column)) for column in smooth[acts].T]
+    smooth[:, np.array(sizes) <= small] = 0.0
+    return smooth

@@ -28,21 +28,18 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.inertia.damping import damping_of
 from fenics_contact.problem.inertia.inertia import Inertia
-from fenics_contact.problem.inertia.massless import ContactMasses
-from fenics_contact.problem.inertia.modal_masses import FreeModes, ModalMasses
-from fenics_contact.problem.inertia.sliding import (
-    along_contact,
-    elastic_slip,
-    end_speeds,
-    follow,
-)
+from fenics_contact.problem.inertia.massless import ContactMasses, FreeModes, ModalMasses
 from fenics_contact.problem.inertia.states import (
     Drag,
     FirstState,
     MovingState,
     StepForces,
     StepStiffness,
+    along_contact,
+    elastic_slip,
+    end_speeds,
     first_velocity,
+    follow,
 )
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.material import Material

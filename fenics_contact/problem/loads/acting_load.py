@@ -13,8 +13,7 @@ from fenics_contact.body.forms import Expr
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 from fenics_contact.mesh.tagged_mesh import Group
-from fenics_contact.problem.curved_sides import CurvedSides
-from fenics_contact.problem.sampled_values import sampled
+from fenics_contact.problem.curved_sides import CurvedSides, sampled
 from fenics_contact.scene.values import Value
 
 

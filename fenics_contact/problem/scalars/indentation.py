@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from fenics_contact.problem.scalars.scalar import ContactScalar, ScalarUnknown
-
-if TYPE_CHECKING:
-    from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalars.scalar import ContactScalar, KnownProblem, ScalarUnknown
 
 
 class Indentation(ContactScalar):
@@ -33,7 +28,7 @@ class Indentation(ContactScalar):
         return f"force on the obstacle at {self.contact.label}"
 
 
-def indentations(problem: Problem) -> list[ScalarUnknown]:
+def indentations(problem: KnownProblem) -> list[ScalarUnknown]:
     """One for each obstacle whose position is not known."""
     return [
         Indentation(contact, contact.kinematics.direction)

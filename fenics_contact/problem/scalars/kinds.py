@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
-from fenics_contact.problem.scalars.body_scalar import BodyScalar
 from fenics_contact.problem.scalars.indentation import indentations
 from fenics_contact.problem.scalars.resultant import resultants
-from fenics_contact.problem.scalars.scalar import ScalarUnknown
+from fenics_contact.problem.scalars.scalar import BodyScalar, KnownProblem, ScalarUnknown
 from fenics_contact.problem.scalars.shortening import shortenings
 
-if TYPE_CHECKING:
-    from fenics_contact.problem.problem import Problem
-
-    Kind = Callable[[Problem], list[ScalarUnknown]]
+Kind = Callable[[KnownProblem], list[ScalarUnknown]]
 
 # Each returns the scalar unknowns of a kind of a problem whose contacts and far field are known.
 _KINDS: list[Kind] = [indentations, resultants, shortenings]
@@ -34,7 +29,7 @@ def unregister(kind: Kind) -> None:
     _KINDS.remove(kind)
 
 
-def scalars_of(problem: Problem) -> list[ScalarUnknown]:
+def scalars_of(problem: KnownProblem) -> list[ScalarUnknown]:
     """All scalar unknowns of a problem, those of the body last; collective."""
     found = [scalar for kind in _KINDS for scalar in kind(problem)]
     return sorted(found, key=lambda scalar: isinstance(scalar, BodyScalar))

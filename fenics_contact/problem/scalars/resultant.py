@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from fenics_contact.problem.scalars.scalar import (
     ContactScalar,
+    KnownProblem,
     PrescribedDisplacement,
     ScalarUnknown,
 )
-
-if TYPE_CHECKING:
-    from fenics_contact.problem.problem import Problem
 
 
 class Resultant(ContactScalar):
@@ -32,7 +28,7 @@ class Resultant(ContactScalar):
         return 0.0
 
 
-def resultants(problem: Problem) -> list[ScalarUnknown]:
+def resultants(problem: KnownProblem) -> list[ScalarUnknown]:
     """Those of each contact that no force on its obstacle tells, and those along the surface."""
     far_field = problem.far_field
     if far_field is None:

@@ -6,21 +6,19 @@ length that it has.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import ufl
 
 from fenics_contact.body.forms import Expr
-from fenics_contact.body.parts.preloaded_part import PreloadedPart
-from fenics_contact.body.parts.scalar_forces import ScalarForces
-from fenics_contact.problem.scalars.body_scalar import BodyScalar, ScalarState
-from fenics_contact.problem.scalars.scalar import ScalarUnknown
+from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
+from fenics_contact.problem.scalars.scalar import (
+    BodyScalar,
+    KnownProblem,
+    ScalarState,
+    ScalarUnknown,
+)
 from fenics_contact.results.records.contacts import PreloadRecord
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.loading.load_paths import KeyedPath
-
-if TYPE_CHECKING:
-    from fenics_contact.problem.problem import Problem
 
 # Of a pseudo-time, by which one is later than another.
 _LATER = 1e-9
@@ -106,7 +104,7 @@ class Shortening(BodyScalar):
         return self._part.spaces.weight * ufl.inner(stress, strain) * self._part.measure
 
 
-def shortenings(problem: Problem) -> list[ScalarUnknown]:
+def shortenings(problem: KnownProblem) -> list[ScalarUnknown]:
     """One for each preload of the scene, in its order."""
     elastic = problem.elastic
     known = zip(problem.scene.preload, elastic.preloaded, elastic.scalar_forces, strict=True)

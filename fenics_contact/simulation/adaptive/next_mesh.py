@@ -16,9 +16,8 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gathered_on_root, on_root
-from fenics_contact.mesh.gathered_mesh import CORNERS, is_of_order_1
 from fenics_contact.mesh.loading import is_geometry, load_body
-from fenics_contact.mesh.refinement import refined
+from fenics_contact.mesh.refinement import CORNERS, is_of_order_1, refined
 from fenics_contact.mesh.size_field import Cells, SizeField, finer_at, graded, next_sizes
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene

@@ -15,7 +15,7 @@ from fenics_contact.common.parallel import of_every_rank
 from fenics_contact.contact.point_gradients import AnswerGradient
 from fenics_contact.contact.state import OPEN
 from fenics_contact.evaluate.contact_quantities import ContactAnswer
-from fenics_contact.evaluate.recovered_pressure import (
+from fenics_contact.evaluate.internal_forces import (
     pressure_of_facets,
     pressure_of_facets_transposed,
 )

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fenics_contact.body.modulus_slopes import ModulusSlopes
+from fenics_contact.body.elastic_body import ModulusSlopes
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface

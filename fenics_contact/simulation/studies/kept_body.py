@@ -14,8 +14,7 @@ from fenics_contact.evaluate.rows_of_body import RowsOfBody
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.existence.condition import require_equilibrium
-from fenics_contact.problem.inertia.massless import ContactMasses
-from fenics_contact.problem.inertia.modal_masses import FreeModes
+from fenics_contact.problem.inertia.massless import ContactMasses, FreeModes
 from fenics_contact.problem.inertia.moving import moving
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene

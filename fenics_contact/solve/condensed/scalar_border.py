@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.linalg import lapack
 
-from fenics_contact.body.parts.scalar_forces import ScalarForces
+from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness

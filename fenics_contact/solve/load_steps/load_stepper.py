@@ -21,11 +21,10 @@ from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.snapshot import recall, remember
-from fenics_contact.problem.drive import Drive
 from fenics_contact.problem.existence.condition import require_equilibrium
 from fenics_contact.problem.inertia.moving import MovingInertia, moving
-from fenics_contact.problem.inertia.sliding import elastic_slip
-from fenics_contact.problem.inertia.states import FirstState, MovingState, StepForces
+from fenics_contact.problem.inertia.states import FirstState, MovingState, StepForces, elastic_slip
+from fenics_contact.problem.loads.given_load import Drive
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, AuxiliaryState, StepListener

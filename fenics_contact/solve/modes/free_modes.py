@@ -12,8 +12,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import from_root, total
-from fenics_contact.problem.inertia.massless import ContactMasses
-from fenics_contact.problem.inertia.modal_masses import FreeModes
+from fenics_contact.problem.inertia.massless import ContactMasses, FreeModes
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.modes.served import ServedOperators, Vectors
 

@@ -12,7 +12,7 @@ from scipy.linalg import cho_factor, cho_solve
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import from_root, raise_together, total
-from fenics_contact.problem.inertia.modal_masses import FreeModes
+from fenics_contact.problem.inertia.massless import FreeModes
 from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.modes.free_modes import PinnedBody

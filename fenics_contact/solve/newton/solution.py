@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
-from fenics_contact.problem.scalars.body_scalar import ScalarState
+from fenics_contact.problem.scalars.scalar import ScalarState
 from fenics_contact.results.records.cycles import CycleEnd
 from fenics_contact.solve.systems.system import FindBody
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy.sparse import coo_matrix
 
-from fenics_contact.body.parts.scalar_forces import ScalarForces
+from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem

@@ -7,7 +7,7 @@ from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
-from fenics_contact.body.parts.scalar_forces import ScalarForces
+from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from fenics_contact.problem.existence.cone_projection import Ray, separation, separation_from
+from fenics_contact.problem.existence.friction_cones import Ray, separation, separation_from
 
 
 @pytest.mark.parametrize("seed", range(20))

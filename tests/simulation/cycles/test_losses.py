@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Run, SolverSettings, run
-from fenics_contact.problem.drive import Disturbance
+from fenics_contact.problem.loads.given_load import Disturbance
 from fenics_contact.results.words.cycles import cycle_rows
 from fenics_contact.scene.quantity_names import LossOfCycle
 from fenics_contact.scene.values import Repetition

@@ -28,7 +28,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, radii, stick_area
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.problem.drive import Disturbance
+from fenics_contact.problem.loads.given_load import Disturbance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
     CONTACT_AREA,

@@ -13,7 +13,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.problem.drive import Disturbance
+from fenics_contact.problem.loads.given_load import Disturbance
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution

@@ -16,7 +16,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.problem.drive import Disturbance
+from fenics_contact.problem.loads.given_load import Disturbance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
     CONTACT_AREA,

@@ -25,8 +25,8 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.evaluate.internal_forces import traction_of
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.recovered_pressure import traction_of
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_space

@@ -17,7 +17,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.evaluate.contact_resultants import resultant
+from fenics_contact.evaluate.contact_quantities import resultant
 from fenics_contact.problem.curved_sides import CurvedSides
 from fenics_contact.problem.loads.pressure import Pressure
 

@@ -1,7 +1,7 @@
 """The connected parts of a body: two cells are of one part if a chain of shared nodes joins them.
 
-Every rank joins what it holds of the mesh; what hangs together across ranks is found from
-the vertices that ranks share, so that any partition gives the same parts.
+Every rank joins what it holds of the mesh; what hangs together across ranks is found from the
+vertices that ranks share, so that any partition gives the same parts.
 """
 
 from __future__ import annotations
