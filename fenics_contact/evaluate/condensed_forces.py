@@ -15,7 +15,7 @@ from fenics_contact.common.parallel import from_root, total
 from fenics_contact.evaluate.internal_forces import Balances, InternalForces
 from fenics_contact.evaluate.rows_of_body import RowsOfBody, prescribed
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.body_scalar import ScalarState
+from fenics_contact.problem.scalars.scalar import ScalarState
 from fenics_contact.solve.condensed.bulk.rows import GivenState
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem

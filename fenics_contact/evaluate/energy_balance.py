@@ -29,8 +29,29 @@ from fenics_contact.quantities.names import (
     PENALTY_ENERGY,
     STRAIN_ENERGY,
 )
+from fenics_contact.results.records.steps import LoadRecord
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
+
+
+def load_records(problem: Problem, displacement: Array) -> list[LoadRecord]:
+    """Each load of a scene at present; collective.
+
+    Args:
+        problem: In the state of the load step.
+        displacement: There, at the nodes of this rank, (nodes, components) (length).
+    """
+    own = slice(problem.spaces.owned_nodes)
+    found = []
+    for name, nodal, factor in problem.acting_loads:
+        size = np.linalg.norm(nodal[own], axis=1).sum()
+        work = np.sum(nodal[own] * displacement[own])
+        every, done = total(problem.comm, np.array([size, work]))
+        found.append(
+            LoadRecord(name=name, force=float(factor * every), displacement=float(done / every))
+        )
+    return found
+
 
 # Round-off of sums.
 _ROUND_OFF = 1e-9

@@ -5,16 +5,34 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+import ufl
 
+from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.evaluate.contact_resultants import resultant
+from fenics_contact.evaluate.contact_quantities import resultant
 from fenics_contact.evaluate.internal_forces import Balances, InternalForces, own_dofs
-from fenics_contact.evaluate.surface_stress import stress_on
+from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.body_scalar import ScalarState
+from fenics_contact.problem.scalars.scalar import ScalarState
 from fenics_contact.solve.newton.solution import Solution
+
+
+def stress_on(spaces: Spaces, elastic: ElasticBody, group: Group) -> ufl.Form:
+    """∫ σ n · v over a group of facets, in UFL: over a constant v, a resultant (force).
+
+    Args:
+        spaces: Those of the body.
+        elastic: Its stress.
+        group: The facets.
+    """
+    size, test = spaces.components, ufl.TestFunction(spaces.displacement_space)
+    cauchy, normal = elastic.stress(), ufl.FacetNormal(spaces.body.mesh)
+    traction = [sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)]
+    measure = spaces.boundary(group)
+    return spaces.weight * ufl.dot(ufl.as_vector(traction), test) * measure
 
 
 class BulkForces(InternalForces):

@@ -11,7 +11,7 @@ from fenics_contact.body.transposed_form import ForcesOnState, TransposedForm
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.evaluate.internal_forces import own_dofs
-from fenics_contact.evaluate.surface_stress import stress_on
+from fenics_contact.evaluate.nodal_forces import stress_on
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.bulk.rows import Functional, GivenState, Key, Wanted
 from fenics_contact.solve.condensed.condensed_body import CondensedBody

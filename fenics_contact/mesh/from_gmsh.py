@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.mesh.file_groups import PartTags, named_groups
-from fenics_contact.mesh.readers.element_kinds import dimension_of_name
-from fenics_contact.mesh.serendipity import complete
+from fenics_contact.mesh.readers.element_kinds import complete, dimension_of_name
 from fenics_contact.mesh.soundness.cells import (
     FileCells,
     check_dimension,

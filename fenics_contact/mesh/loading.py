@@ -22,7 +22,6 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh import from_gmsh as mesh_arrays
 from fenics_contact.mesh import joining as mesh_join
-from fenics_contact.mesh.bolts import Cut, bolts_of, cuts_of
 from fenics_contact.mesh.from_gmsh import MeshArrays
 from fenics_contact.mesh.geometry import gmsh_call
 from fenics_contact.mesh.geometry.file_kinds import (
@@ -32,9 +31,9 @@ from fenics_contact.mesh.geometry.file_kinds import (
     mesh_file,
     prepared,
 )
+from fenics_contact.mesh.joining import Cut, bolts_of, cuts_of
 from fenics_contact.mesh.size_field import SizeField
-from fenics_contact.mesh.soundness.between_files import BetweenFiles
-from fenics_contact.mesh.soundness.left_out import no_surface
+from fenics_contact.mesh.soundness.left_out import BetweenFiles, no_surface
 from fenics_contact.mesh.soundness.neighbours import Finding, Neighbours
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.scene.loading.conditions import Preload

@@ -8,8 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import largest
-from fenics_contact.mesh.gathered_mesh import is_of_order_1
-from fenics_contact.mesh.refinement import halved
+from fenics_contact.mesh.refinement import halved, is_of_order_1
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 

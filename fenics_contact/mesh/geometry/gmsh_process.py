@@ -21,17 +21,22 @@ from typing import Any
 import gmsh
 import numpy as np
 
-from fenics_contact.mesh.cuts import cut_bodies
 from fenics_contact.mesh.geometry import process_room as room
-from fenics_contact.mesh.geometry.bodies import Bodies, name_bodies, name_surfaces, relate
-from fenics_contact.mesh.geometry.exact_surfaces import exact_surfaces
-from fenics_contact.mesh.geometry.process_room import Arrays, Job, RefusedError
-from fenics_contact.mesh.geometry.size_limits import (
+from fenics_contact.mesh.geometry.bodies import (
+    Bodies,
+    exact_surfaces,
+    name_bodies,
+    name_surfaces,
+    relate,
+)
+from fenics_contact.mesh.geometry.preparations import (
+    cut_bodies,
     largest_size,
     limit_sizes,
     limiting_fields,
     set_least,
 )
+from fenics_contact.mesh.geometry.process_room import Arrays, Job, RefusedError
 
 # What is done with a geometry before it is meshed, in this order. Each takes the job and the
 # bodies, and may change both the bodies and the model that is open.

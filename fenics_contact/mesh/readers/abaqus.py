@@ -15,10 +15,15 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.arrays import Integers
-from fenics_contact.mesh.readers import abaqus_types
-from fenics_contact.mesh.readers.abaqus_elements import Blocks
-from fenics_contact.mesh.readers.abaqus_sets import Sets, whole_number
-from fenics_contact.mesh.readers.abaqus_surfaces import Surfaces
+from fenics_contact.mesh.readers.abaqus_elements import (
+    KNOWN_TYPES,
+    Blocks,
+    gmsh_type,
+    is_shell,
+    kinematics_of,
+    nodes_of,
+)
+from fenics_contact.mesh.readers.abaqus_sets import Sets, Surfaces, whole_number
 from fenics_contact.mesh.readers.element_kinds import as_gmsh
 from fenics_contact.mesh.readers.file_lines import FileLines, Line
 from fenics_contact.mesh.readers.found_mesh import FoundMesh
@@ -209,10 +214,10 @@ class _Reader:
 
     def _take_elements(self, block: _Block) -> None:
         name = block.options.get("TYPE", "").upper()
-        kind = abaqus_types.gmsh_type(name)
+        kind = gmsh_type(name)
         if kind < 0:
             raise block.line.error(
-                f"elements of TYPE = '{name}' are not known; there are: {abaqus_types.KNOWN}"
+                f"elements of TYPE = '{name}' are not known; there are: {KNOWN_TYPES}"
             )
         if kind == 0:
             numbers = [whole_number(line, line.text.split(",")[0]) for line in block.data]
@@ -221,8 +226,8 @@ class _Reader:
             rows = _rows(block, name, kind)
             numbers = rows[:, 0].tolist()
             nodes = as_gmsh(kind, rows[:, 1:])
-            self._blocks.add(block.line, numbers, kind, nodes, abaqus_types.is_shell(name))
-            if said := abaqus_types.kinematics_of(name):
+            self._blocks.add(block.line, numbers, kind, nodes, is_shell(name))
+            if said := kinematics_of(name):
                 self._kinematics.setdefault(said, name)
         self._add_to_set("ELSET", block, numbers)
 
@@ -248,7 +253,7 @@ class _Reader:
 
 def _rows(block: _Block, name: str, kind: int) -> Integers:
     """Numbers of elements and their nodes, which may go over several lines."""
-    width = 1 + abaqus_types.nodes_of(kind)
+    width = 1 + nodes_of(kind)
     try:
         words = [int(w) for line in block.data for w in line.text.split(",") if w.strip()]
         found = np.array(words, dtype=np.int64)

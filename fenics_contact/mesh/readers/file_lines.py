@@ -1,11 +1,11 @@
-"""Lines of a text file and of those that it includes, which must stand in its folder or below."""
+"""Files that readers open, text and HDF5, and others that these name."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fenics_contact.mesh.geometry.process_room import RefusedError
 
@@ -72,3 +72,35 @@ class FileLines:
             for number, text in enumerate(file, 1):
                 yield Line(text.rstrip("\r\n"), where, number)
         self._open.pop()
+
+
+def require_whole(where: str, path: Path) -> None:
+    """Refuse a file that cannot be read, or that refers to another one.
+
+    Args:
+        where: What begins a message.
+        path: The file.
+    """
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            outside = _outside(h5py, file)
+            file.visititems(lambda name, found: outside.extend(_outside(h5py, found)))
+    except (OSError, RuntimeError, ValueError) as error:
+        said = " ".join(str(error).split())
+        raise RefusedError(f"{where}: is no sound HDF5 file ({said})") from None
+    if outside:
+        raise RefusedError(
+            f"{where}: '{outside[0]}' in it refers to another file, which a mesh may not; write "
+            "all into one file"
+        )
+
+
+def _outside(h5py: Any, found: Any) -> list[str]:
+    """Return the parts of a group or a data set that are kept in another file."""
+    if isinstance(found, h5py.Dataset):
+        return [found.name] if found.external or found.is_virtual else []
+    links = {name: found.get(name, getlink=True) for name in found}
+    own = (h5py.HardLink, h5py.SoftLink)
+    return [f"{found.name}/{name}" for name, link in links.items() if not isinstance(link, own)]

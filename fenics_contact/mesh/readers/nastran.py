@@ -7,17 +7,155 @@ of coordinates, without which a mesh has holes or another shape.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fenics_contact.mesh.readers.element_kinds import NAMES, as_gmsh
+from fenics_contact.common.arrays import Integers
+from fenics_contact.mesh.readers.element_kinds import NAMES, SIDES, as_gmsh, dimension_of
 from fenics_contact.mesh.readers.file_lines import FileLines, Line
 from fenics_contact.mesh.readers.found_mesh import FoundMesh
-from fenics_contact.mesh.readers.nastran_cards import Card
-from fenics_contact.mesh.readers.nastran_surfaces import ContactSurfaces
+
+_EXPONENT = re.compile(r"(?<=[\d.])(?=[+-]\d+$)")
+_LARGEST = 2**53
+
+
+class Card:
+    """A card of the bulk data.
+
+    Attributes:
+        line: Its first line.
+        word: Its name, such as ``GRID``.
+        fields: What follows the name, as texts.
+
+    Args:
+        line: Its first line.
+    """
+
+    def __init__(self, line: Line) -> None:
+        self.line = line
+        first, self.fields = _fields(line.text)
+        self.word = first.rstrip("*").upper()
+
+    def goes_on(self, line: Line) -> bool:
+        """Whether a line continues the card; its fields are taken then.
+
+        Args:
+            line: That follows.
+        """
+        first, fields = _fields(line.text)
+        if first and first[0] not in "+*":
+            return False
+        self.fields += fields
+        return True
+
+    def whole(self, place: int) -> int:
+        """A field that holds a positive whole number.
+
+        Args:
+            place: Of the field, counted from 0 behind the name.
+        """
+        try:
+            value = int(self.fields[place])
+        except (IndexError, ValueError):
+            value = 0
+        if not 0 < value < _LARGEST:
+            raise self.line.error(
+                f"field {place + 2} of {self.word} must be a positive whole number"
+            )
+        return value
+
+    def real(self, place: int) -> float:
+        """A field that holds a number, such as 1.5-3; zero where it is blank.
+
+        Args:
+            place: Of the field, counted from 0 behind the name.
+        """
+        text = self.fields[place] if place < len(self.fields) else ""
+        try:
+            return float(_EXPONENT.sub("E", text.upper().replace("D", "E")) if text else 0.0)
+        except ValueError:
+            raise self.line.error(f"field {place + 2} of {self.word} must be a number") from None
+
+
+def _fields(text: str) -> tuple[str, list[str]]:
+    """The first field of a line, and those of data: 8 of them, or 4 wide ones."""
+    if "," in text:
+        first, *found = [word.strip() for word in text.split(",")]
+        most = 4 if first.endswith("*") else 8
+        return first, (found + most * [""])[:most]
+    text = text.expandtabs(8)
+    first = text[:8].strip()
+    width = 16 if first.endswith("*") or first.startswith("*") else 8
+    return first, [text[at : at + width].strip() for at in range(8, 72, width)]
+
+
+_FIRST, _WIDTH = 4, 4  # fields before the sides, and of each: its solid and three of its corners
+
+
+class ContactSurfaces:
+    """Surfaces as they come in."""
+
+    def __init__(self) -> None:
+        self._cards: list[Card] = []
+
+    def take(self, card: Card) -> None:
+        """Take a surface.
+
+        Args:
+            card: ``BSURFS``, whose lines that continue it may still follow.
+        """
+        self._cards.append(card)
+
+    def of_sides(
+        self, cells: Mapping[int, Integers], numbers: Mapping[int, Integers]
+    ) -> dict[str, dict[int, Integers]]:
+        """Nodes of the sides by Gmsh's type, by name: BSURFS, a dot and the surface's number.
+
+        Args:
+            cells: Gmsh's type → nodes of all elements, in Gmsh's order.
+            numbers: Gmsh's type → the file's number of each.
+
+        Raises:
+            RefusedError: A card names what is no side of a solid.
+        """
+        rows = {
+            int(number): (kind, row)
+            for kind, of_kind in (numbers.items() if self._cards else ())
+            for row, number in enumerate(of_kind)
+        }
+        found: dict[str, dict[int, list[Integers]]] = {}
+        for card in self._cards:
+            sides = found.setdefault(f"BSURFS.{card.whole(0)}", {})
+            for place in range(_FIRST, len(card.fields), _WIDTH):
+                if card.fields[place]:
+                    side, nodes = _side(card, place, cells, rows)
+                    sides.setdefault(side, []).append(nodes)
+        return {
+            name: {side: np.array(several) for side, several in sides.items()}
+            for name, sides in found.items()
+        }
+
+
+def _side(
+    card: Card, place: int, cells: Mapping[int, Integers], rows: Mapping[int, tuple[int, int]]
+) -> tuple[int, Integers]:
+    """Gmsh's type and the nodes of the side that four fields of a card name."""
+    number = card.whole(place)
+    corners = {card.whole(place + 1 + n) for n in range(_WIDTH - 1)}
+    kind, row = rows.get(number, (0, 0))
+    if kind in SIDES and dimension_of(kind) == 3:
+        side, places = SIDES[kind]
+        for nodes in cells[kind][row][np.array(places)]:
+            if corners <= set(nodes.tolist()):
+                return side, nodes
+    raise card.line.error(
+        f"the grid points {', '.join(map(str, sorted(corners)))} are corners of no side of a solid "
+        f"{number}"
+    )
+
 
 # Gmsh's types by card and number of nodes.
 _CARDS = {

@@ -133,7 +133,7 @@ def test_progress_is_told_and_quiet_is_quiet(folder, temporary, caplog, monkeypa
 # Another user, where the tests are root's, to whom the system allows any number of processes.
 AS_OTHER_USER = """
 import gmsh, io, os, re, resource, signal, sys, tempfile
-from fenics_contact.mesh.geometry import bodies, process_room, size_limits
+from fenics_contact.mesh.geometry import bodies, preparations, process_room
 import numpy as np
 np.savez(io.BytesIO(), a=np.zeros(2))
 program = open({path!r}).read()
