@@ -237,7 +237,7 @@ class Scene(HasUnits):
 
     @property
     def at_rest(self) -> Scene:
-        """The scene without motion in one load step: friction as at rest, and no bolt locked."""
+        """The scene without motion in one load step, with friction at rest and no bolt locked."""
         contacts = tuple(
             replace(one, friction_law=one.friction_law and one.friction_law.at_rest)
             for one in self.contact

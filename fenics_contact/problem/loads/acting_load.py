@@ -67,7 +67,7 @@ class ActingLoad(ABC):
 
     @property
     def measure(self) -> ufl.Measure:
-        """Measure of what it acts on: by default the facets of a boundary."""
+        """Measure of what it acts on; by default the facets of a boundary."""
         return self.spaces.boundary(self.group)
 
     @staticmethod
