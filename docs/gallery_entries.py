@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.verification.case import Finding

@@ -20,7 +20,7 @@ from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.drawing.fields import read_series, times_of_fields
 from fenics_contact.report.drawing.figures import new_figure, save_png, style
 from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.result_file import read_result
 from fenics_contact.scene.reading import load_scene

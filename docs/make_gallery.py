@@ -19,7 +19,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from fenics_contact.report.report import write_report
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.result_file import read_result
 from fenics_contact.results.words.rounding import rounded

@@ -118,7 +118,7 @@ def _load(options: argparse.Namespace) -> Scene:
 
 def _check(options: argparse.Namespace) -> int:
     from fenics_contact.simulation.adaptive.targets import adaptive_plan
-    from fenics_contact.trust.resolution.hidden_obstacles import hidden_obstacles, words
+    from fenics_contact.trust.convergence.hidden_obstacles import hidden_obstacles, words
 
     comm = MPI.COMM_WORLD
     scene = _load(options)

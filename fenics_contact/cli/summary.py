@@ -15,8 +15,7 @@ from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.quantities.names import REACTION
 from fenics_contact.quantities.table import with_true_value
-from fenics_contact.results.accuracy_messages import level_rows
-from fenics_contact.results.check_messages import compares, title
+from fenics_contact.results.check_messages import compares, level_rows, title
 from fenics_contact.results.load_history import newton_steps
 from fenics_contact.results.quantities import (
     idle_quantities,
@@ -25,10 +24,10 @@ from fenics_contact.results.quantities import (
 )
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, RigidMotion
-from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.record import UnitsRecord
 from fenics_contact.results.result import Check, Result
-from fenics_contact.results.words.headlines import headlines
-from fenics_contact.results.words.short_forms import (
+from fenics_contact.results.words.headlines import (
+    headlines,
     in_figures,
     preload_rows,
     quantity_rows,

@@ -31,7 +31,7 @@ from fenics_contact.contact.parameters import ContactScales
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.supports import SurfaceSupports
-from fenics_contact.results.point_arrays import of_one_contact
+from fenics_contact.results.contact_points import of_one_contact
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.obstacle import Obstacle
 

@@ -15,8 +15,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, STRAIN_ENERGY
 from fenics_contact.quantities.quantity import Quantity, Together
-from fenics_contact.results.contact_points import ContactPoints
-from fenics_contact.results.point_arrays import WRITTEN
+from fenics_contact.results.contact_points import WRITTEN, ContactPoints
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
 from fenics_contact.solve.newton.solution import Solution
 

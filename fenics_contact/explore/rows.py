@@ -14,8 +14,7 @@ from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.quantities import idle_quantities
 from fenics_contact.results.records.contacts import ContactRecord, PreloadRecord
-from fenics_contact.results.records.record import Errors, Quantities
-from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
+from fenics_contact.results.records.record import NO_UNITS, Errors, Quantities, UnitsRecord
 from fenics_contact.results.result import Result
 from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.scene.quantity_names import OF_PRELOADS

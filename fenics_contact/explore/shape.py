@@ -18,8 +18,7 @@ from fenics_contact.report.contacts.line import positions, tangents
 from fenics_contact.report.drawing.charts import Cylinder, Plane, chart_of
 from fenics_contact.report.drawing.style import neighbourhood
 from fenics_contact.report.view.surface import Surface, boundary, surface_of
-from fenics_contact.results.contact_points import ContactPoints
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactPoints, ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 # More triangles, or sides of cells, would not follow while one drags.

@@ -30,7 +30,7 @@ from fenics_contact.problem.scalars.kinds import scalars_of
 from fenics_contact.problem.scalars.scalar import BodyScalar, ScalarState
 from fenics_contact.problem.shared_reactions import SharedReactions
 from fenics_contact.problem.terms import Term, terms_of
-from fenics_contact.results.point_arrays import of_several_contacts
+from fenics_contact.results.contact_points import of_several_contacts
 from fenics_contact.scene.scene import Scene
 
 

@@ -28,7 +28,7 @@ from fenics_contact.report.formulas.recognition import recognise
 from fenics_contact.report.histories.load_steps import draw_history
 from fenics_contact.report.histories.wear import draw_worn_history
 from fenics_contact.report.run_to_draw import RunToDraw
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fenics_contact.report.formulas.recognition import AnalyticContact
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.scene.scene import Scene

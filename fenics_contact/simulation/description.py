@@ -13,7 +13,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.table import measured_by
 from fenics_contact.results.records.contacts import ContactRecord, LawAnswers, array_record
 from fenics_contact.results.records.model import Model, RigidMotion
-from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.record import UnitsRecord
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.table import names_of
 from fenics_contact.solve.newton.solution import Solution

@@ -17,11 +17,11 @@ from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.trust.convergence.unseen import judged_by_depth
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget, unknown_budget
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.solving_again import restore
-from fenics_contact.trust.resolution.unseen_depth import judged_by_depth
-from fenics_contact.trust.uniqueness.other_answers import OtherAnswers, search_other_solutions
+from fenics_contact.trust.uniqueness import OtherAnswers, search_other_solutions
 
 AtEnd = Callable[[LoadSteps, LocalErrors | None], None]
 Judge = Callable[[LoadSteps, Sequence[StepRecord]], ErrorBudget]

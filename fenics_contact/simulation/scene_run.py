@@ -27,7 +27,7 @@ from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Result
-from fenics_contact.results.words.cycles import cycle_words
+from fenics_contact.results.words.tables import cycle_words
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation import verdict

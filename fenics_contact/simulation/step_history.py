@@ -17,15 +17,14 @@ from fenics_contact.evaluate.quantities import global_quantities, scalar_records
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import SLIP_SHARE
-from fenics_contact.results.records.contacts import StepContact
-from fenics_contact.results.records.slip_limit import SlipLimitRecord
+from fenics_contact.results.records.contacts import SlipLimitRecord, StepContact
 from fenics_contact.results.records.steps import Largest, LoadRecord, StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.simulation.description import regularisation_of
 from fenics_contact.simulation.output.functions import Fields, fields_of
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.run_checks import made, run_checks
-from fenics_contact.trust.linear_theory.linear_range import LinearRange, linear_range
+from fenics_contact.trust.linear_range import LinearRange, linear_range
 
 if TYPE_CHECKING:
     from fenics_contact.simulation.worn.wear_cycle import WearCycle

@@ -17,8 +17,8 @@ from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.scene.steps import Steps
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.trust.linear_theory.linear_range import worst_step
-from fenics_contact.trust.resolution.points_across import words_on
+from fenics_contact.trust.convergence.coarse_contacts import words_on
+from fenics_contact.trust.linear_range import worst_step
 
 # Slip over the size of a contact between two pairings, from which pressures are visibly off:
 # without friction a shift of .01 changes them by 1 %.

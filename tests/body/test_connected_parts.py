@@ -37,7 +37,7 @@ from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.rigid_motions import RigidMotions, apart, rigid_fields
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.comparison import nearer_to_failing
-from fenics_contact.trust.checks.equilibrium import equilibrium
+from fenics_contact.trust.checks.resultants import equilibrium
 from tests.scenes import SLAB
 from tests.wrong_answers import with_body
 

@@ -32,7 +32,7 @@ from fenics_contact.report.run_to_draw import axes_of
 from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
 from fenics_contact.report.view.view_3d import make_view
 from fenics_contact.report.view.view_page import view_html
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.verification.boxes import Box, boxes

@@ -10,7 +10,7 @@ import threading
 import pytest
 
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.serial

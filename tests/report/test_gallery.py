@@ -30,7 +30,7 @@ from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.style import COLOURS, STYLE, neighbourhood
 from fenics_contact.report.gallery import draw_pictures
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fenics_contact.analyses.derivatives.record import Derivative, Uncertainty
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.words.analysis_words import AnalysisWords, Rows
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words, rounded
+from fenics_contact.results.words.tables import AnalysisWords, Rows
 
 _HEAD = ["derivative of, by", "value", "±", "discrete"]
 

@@ -20,7 +20,7 @@ from fenics_contact.report.drawing.figures import legend_in_headroom, new_figure
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, COLOURS, DOUBLE, LINES, neighbourhood
 from fenics_contact.report.drawing.units import labelled
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from fenics_contact.analyses.fretting.record import FrettingRecord
 from fenics_contact.analyses.fretting.table import Fretting
-from fenics_contact.results.records.record import ErrorRow
+from fenics_contact.results.records.record import ErrorRow, UnitsRecord
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.records.units import UnitsRecord
-from fenics_contact.results.words.analysis_words import AnalysisWords, Rows
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words
-from fenics_contact.results.words.tables import headed
+from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 

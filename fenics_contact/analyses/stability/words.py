@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from fenics_contact.analyses.stability.record import StabilityRecord
+from fenics_contact.results.records.record import NO_UNITS, UnitsRecord
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.records.units import NO_UNITS, UnitsRecord
-from fenics_contact.results.words.analysis_words import AnalysisWords, Rows
-from fenics_contact.results.words.tables import headed
+from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 

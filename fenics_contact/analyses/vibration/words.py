@@ -5,9 +5,8 @@ from __future__ import annotations
 from fenics_contact.analyses.vibration.table import Damping
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.words.analysis_words import AnalysisWords, Rows
 from fenics_contact.results.words.rounding import bar_in_words
-from fenics_contact.results.words.tables import headed
+from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 

@@ -9,7 +9,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.earlier_names import keep_earlier_names
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import ContactState
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import PointArray
 
 _EARLIER_NAMES = {"pulled_back": "vjp", "says_it_at_points": "is_pointwise"}
 

@@ -14,7 +14,7 @@ from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import STICK, ContactState
 from fenics_contact.quantities.names import MAX_WEAR_DEPTH, WORN_VOLUME
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import PointArray
 
 
 class Unworn(ContactLaw):

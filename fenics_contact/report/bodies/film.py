@@ -21,7 +21,7 @@ from fenics_contact.report.contacts.film import frame_rows, write_gif
 from fenics_contact.report.drawing.display import display
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
 

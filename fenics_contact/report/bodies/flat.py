@@ -12,7 +12,7 @@ from fenics_contact.report.bodies.view import View
 from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.fields import Triangles, flat_outline, flat_sides
 from fenics_contact.report.drawing.style import COLOUR_MAP, EDGE, Mark, marks
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

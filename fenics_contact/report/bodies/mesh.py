@@ -12,7 +12,7 @@ from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import DOUBLE, marks, neighbourhood
 from fenics_contact.report.drawing.units import labelled
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import Outcome
 
 if TYPE_CHECKING:

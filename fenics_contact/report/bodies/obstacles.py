@@ -9,7 +9,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.drawing.facets import contact_pieces
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

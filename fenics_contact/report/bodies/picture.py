@@ -17,7 +17,7 @@ from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE
 from fenics_contact.report.drawing.units import labelled, with_unit
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
 

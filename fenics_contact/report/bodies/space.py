@@ -17,7 +17,7 @@ from fenics_contact.report.drawing.display import display
 from fenics_contact.report.drawing.facets import nodes_at
 from fenics_contact.report.drawing.fields import outline, surface, surface_edges
 from fenics_contact.report.drawing.style import COLOUR_MAP
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.quantities.names import CLOSED_GAP
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import Outcome
 
 if TYPE_CHECKING:

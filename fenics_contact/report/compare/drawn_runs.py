@@ -12,7 +12,7 @@ from fenics_contact.report.drawing.style import LINES
 from fenics_contact.report.gallery import points_of, scene_of
 from fenics_contact.report.run_to_draw import axes_of, far_supports
 from fenics_contact.results.comparison.runs import ComparedRun
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import RunRecord

@@ -19,7 +19,7 @@ from fenics_contact.report.drawing.figures import legend_beside, new_figure, sav
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLUMN, FORMULA, LINES
 from fenics_contact.report.formulas.recognition import AnalyticContact
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import Quantities
 

@@ -30,7 +30,7 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import FORMULA, WIDE
 from fenics_contact.report.drawing.units import with_unit
 from fenics_contact.report.formulas.recognition import AnalyticContact
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

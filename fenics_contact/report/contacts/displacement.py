@@ -16,7 +16,7 @@ from fenics_contact.report.drawing.figures import in_words, new_figure, save, se
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, COLUMN, WIDE
 from fenics_contact.report.drawing.units import labelled
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

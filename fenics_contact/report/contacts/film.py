@@ -21,9 +21,8 @@ from fenics_contact.report.drawing.palette import palette_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, marks
 from fenics_contact.report.drawing.units import labelled
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import WRITTEN, ContactTable
 from fenics_contact.results.load_history import Drive, History
-from fenics_contact.results.point_arrays import WRITTEN
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
 

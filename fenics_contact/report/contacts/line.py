@@ -14,7 +14,7 @@ from fenics_contact.report.drawing.charts import Cylinder, chart_of
 from fenics_contact.report.drawing.facets import contact_pieces
 from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.drawing.units import labelled
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from fenics_contact.report.contacts.map_values import (
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, Mark, marks
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

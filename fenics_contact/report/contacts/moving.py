@@ -41,7 +41,7 @@ from fenics_contact.report.contacts.maps import (
 )
 from fenics_contact.report.drawing.frames import Frame, numbers, save_frame
 from fenics_contact.report.drawing.style import Mark, marks
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

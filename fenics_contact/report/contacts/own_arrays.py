@@ -6,8 +6,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.units import labelled
-from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import ContactTable, PointArray
 from fenics_contact.results.records.contacts import ContactRecord
 
 

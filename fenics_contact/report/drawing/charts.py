@@ -9,7 +9,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.report.drawing.units import labelled, with_unit
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,8 +12,7 @@ from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.report.drawing.cells import TRIANGLES, cells_of
-from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.point_arrays import facet_flags
+from fenics_contact.results.contact_points import ContactTable, facet_flags
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.results.point_arrays import BODY_OF_CELLS
+from fenics_contact.results.contact_points import BODY_OF_CELLS
 
 if TYPE_CHECKING:
     from pyvista import PolyData, UnstructuredGrid

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.record import UnitsRecord
 
 _units: ContextVar[UnitsRecord | None] = ContextVar("units of the run that is drawn", default=None)
 

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.drawing.fields import flat_sides
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 
 if TYPE_CHECKING:
     from pyvista import UnstructuredGrid

@@ -18,7 +18,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.quantities.names import FRICTION_FORCE, NORMAL_FORCE
 from fenics_contact.report.formulas.apex_curvature import relative_curvature
 from fenics_contact.report.formulas.surface_cover import covers
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.load_history import History
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.scene.material import Material

@@ -16,11 +16,10 @@ from fenics_contact.common import program
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.page import tables
 from fenics_contact.report.page.templates import render
-from fenics_contact.results.accuracy_messages import level_rows
+from fenics_contact.results.check_messages import level_rows
 from fenics_contact.results.records.run import RunRecord
-from fenics_contact.results.words.cycles import cycle_rows, cycle_words
 from fenics_contact.results.words.headlines import headlines
-from fenics_contact.results.words.tables import branch_rows
+from fenics_contact.results.words.tables import branch_rows, cycle_rows, cycle_words
 
 
 @dataclass(frozen=True)

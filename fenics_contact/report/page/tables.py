@@ -24,10 +24,9 @@ from fenics_contact.results.quantities import (
 )
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.model import Model, Seconds
-from fenics_contact.results.records.record import ErrorRow
+from fenics_contact.results.records.record import ErrorRow, UnitsRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import CheckRecord, StepRecord
-from fenics_contact.results.records.units import UnitsRecord
 from fenics_contact.results.result import check_of
 from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.results.words.tables import (

@@ -20,7 +20,7 @@ from fenics_contact.quantities.names import (
 )
 from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value, measured_by
 from fenics_contact.report.sweep.files import SweepTable
-from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.record import UnitsRecord
 from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.results.words.tables import headed
 from fenics_contact.scene.keys.reference import keys_of

@@ -18,7 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.record import UnitsRecord
 
 TABLE, RECORD, STATES = "sweep.csv", "sweep.json", "states.npz"
 EXIT_CODE = "exit_code"

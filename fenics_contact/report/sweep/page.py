@@ -34,7 +34,7 @@ from fenics_contact.report.sweep.files import (
 )
 from fenics_contact.report.sweep.states import FIELDS, MEASURED, packed_states
 from fenics_contact.report.view.view_page import packed
-from fenics_contact.results.records.units import NO_UNITS
+from fenics_contact.results.records.record import NO_UNITS
 from fenics_contact.results.words.outcomes import outcome_of
 from fenics_contact.results.words.tables import headed
 

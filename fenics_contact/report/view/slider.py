@@ -22,7 +22,7 @@ from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOUR_MAP
 from fenics_contact.report.page.templates import data_uri, render
 from fenics_contact.report.view.view_page import packed
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.load_history import History
 from fenics_contact.results.records.run import Outcome
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.report.drawing.cells import TRIANGLES, Cell, cells_of
-from fenics_contact.results.point_arrays import BODY_OF_CELLS
+from fenics_contact.results.contact_points import BODY_OF_CELLS
 
 if TYPE_CHECKING:
     from pyvista import UnstructuredGrid

@@ -20,8 +20,12 @@ from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
 from fenics_contact.report.drawing.units import unit_of
 from fenics_contact.report.view.revolved import revolved
 from fenics_contact.report.view.surface import Surface, surface_of
-from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.point_arrays import BODY_OF_CELLS, PointArray, of_several_contacts
+from fenics_contact.results.contact_points import (
+    BODY_OF_CELLS,
+    ContactTable,
+    PointArray,
+    of_several_contacts,
+)
 from fenics_contact.results.records.model import Model
 from fenics_contact.results.records.run import Outcome
 

@@ -15,7 +15,7 @@ from fenics_contact.report.drawing.units import unit_of
 from fenics_contact.report.page.templates import render
 from fenics_contact.report.view.surface import boundary
 from fenics_contact.report.view.view_3d import View
-from fenics_contact.results.point_arrays import BODY_OF_CELLS
+from fenics_contact.results.contact_points import BODY_OF_CELLS
 
 _MOST_LINES = 60_000  # pieces of cells' sides
 _MEASURED = {

@@ -19,7 +19,7 @@ from fenics_contact.quantities.names import (
     STICK_AREA,
     WORN_VOLUME,
 )
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 
 HISTORY, PROFILES, PAGE = "wear.csv", "wear_profiles.csv", "wear.html"
 _COLUMNS = (

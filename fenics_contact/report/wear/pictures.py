@@ -29,7 +29,7 @@ from fenics_contact.report.drawing.style import (
 )
 from fenics_contact.report.drawing.units import labelled
 from fenics_contact.report.wear.files import WornHistory
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

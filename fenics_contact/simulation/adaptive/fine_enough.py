@@ -19,7 +19,7 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.adaptive.next_mesh import MeshDensity, hindrance, next_mesh
 from fenics_contact.simulation.scene_run import Run
-from fenics_contact.trust.resolution.hidden_obstacles import hidden_obstacles
+from fenics_contact.trust.convergence.hidden_obstacles import hidden_obstacles
 
 # Meshes before the first one that is solved, at the most.
 _MOST = 8

@@ -21,7 +21,7 @@ from fenics_contact.common.errors import FenicsContactError, StoppedError
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import from_root
 from fenics_contact.quantities.names import STRAIN_ENERGY
-from fenics_contact.results.accuracy_messages import (
+from fenics_contact.results.check_messages import (
     energy_line,
     level_line,
     not_reached,

@@ -16,7 +16,7 @@ from fenics_contact.quantities.names import (
     STICK_AREA,
     STICK_RADIUS,
 )
-from fenics_contact.results.accuracy_messages import plan
+from fenics_contact.results.check_messages import plan
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
 from fenics_contact.scene.asked.accuracy import Accuracy

@@ -8,9 +8,12 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.plain_text import one_line
-from fenics_contact.results.contact_points import ContactPoints
-from fenics_contact.results.contact_table import CSV_HEADER
-from fenics_contact.results.point_arrays import WRITTEN, of_several_contacts
+from fenics_contact.results.contact_points import (
+    CSV_HEADER,
+    WRITTEN,
+    ContactPoints,
+    of_several_contacts,
+)
 from fenics_contact.results.records.contacts import ContactRecord
 
 

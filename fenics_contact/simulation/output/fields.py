@@ -17,7 +17,7 @@ from fenics_contact.contact.state import OPEN, STICK
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.point_arrays import BODY_OF_CELLS, facet_flags
+from fenics_contact.results.contact_points import BODY_OF_CELLS, facet_flags
 from fenics_contact.simulation.output.vtu import read_collection, write_collection, write_grid
 from fenics_contact.solve.newton.solution import Solution
 

@@ -2,8 +2,8 @@
 
 Contact without friction, and friction under given pressures, have one answer, wherever Newton's
 method begins. So has Coulomb's friction, by an estimate, up to a coefficient that is a matter of
-the body and its contact surfaces (``trust/uniqueness``). Beyond it an answer that begins at another
-one may follow a branch that a separate run would not be on: then it begins as that does, unless it
+the body and its contact surfaces (``trust/uniqueness.py``). Beyond it an answer that begins at
+another one may follow a branch that a separate run would not be on: then it begins as that does, unless it
 is asked to follow.
 """
 
@@ -31,7 +31,7 @@ from fenics_contact.solve.coulomb.without_friction import (
 )
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.trust.uniqueness.critical_coefficient import uniqueness_limit
+from fenics_contact.trust.uniqueness import uniqueness_limit
 
 # Keys that have no part in the pressures without friction, and those that are looked at further.
 _OF_SCENE, _OF_COULOMB = ("title", "contact"), ("friction_coefficient",)

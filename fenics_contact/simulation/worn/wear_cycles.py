@@ -31,7 +31,7 @@ from fenics_contact.simulation.worn.wear_cycle import SETTLING, WearCycle
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.trust.linear_theory.worn_width import worn_share
+from fenics_contact.trust.linear_range import worn_share
 
 logger = logging.getLogger(__name__)
 

@@ -22,7 +22,6 @@ from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.checks.boundary_stress import boundary_stress
 from fenics_contact.trust.checks.compliance import penetration_depth, stick_creep
-from fenics_contact.trust.checks.equilibrium import equilibrium, given_forces, stabilisation
 from fenics_contact.trust.checks.friction import (
     ComparedFriction,
     compared_friction,
@@ -30,6 +29,7 @@ from fenics_contact.trust.checks.friction import (
     friction_cone,
     friction_law,
     outer_loop,
+    slip_limit,
 )
 from fenics_contact.trust.checks.normal import (
     ComparedPressures,
@@ -40,9 +40,14 @@ from fenics_contact.trust.checks.normal import (
     pressure_recovery,
     tension,
 )
-from fenics_contact.trust.checks.resultants import action_and_reaction, resultant
-from fenics_contact.trust.checks.slip_limit import slip_limit
-from fenics_contact.trust.resolution.unseen import unseen_contact
+from fenics_contact.trust.checks.resultants import (
+    action_and_reaction,
+    equilibrium,
+    given_forces,
+    resultant,
+    stabilisation,
+)
+from fenics_contact.trust.convergence.unseen import unseen_contact
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,1 +1,1 @@
-"""Quantities that no mesh brings to an end: they get no error bar, and it is said why."""
+"""Quantities that no mesh brings to an end, and contacts that a mesh is too coarse for."""

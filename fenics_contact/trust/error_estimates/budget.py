@@ -32,16 +32,16 @@ from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.quantity_names import LossOfCycle, OfScalar, Reaction
 from fenics_contact.scene.scene import Scene
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.trust.convergence.unbounded import Unbounded
-from fenics_contact.trust.error_estimates.estimates import SOURCES, Errors, Estimates
-from fenics_contact.trust.error_estimates.measured import Measured, known_quantities
-from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
-from fenics_contact.trust.resolution.coarse_contacts import (
+from fenics_contact.trust.convergence.coarse_contacts import (
     CoarseContact,
     coarse_contacts,
     notes_on,
     without_bars,
 )
+from fenics_contact.trust.convergence.unbounded import Unbounded
+from fenics_contact.trust.error_estimates.estimates import SOURCES, Errors, Estimates
+from fenics_contact.trust.error_estimates.measured import Measured, known_quantities
+from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 _OF_MOTION = (
     'Errors of a motion were not estimated: solver.errors = "all" solves it again, with half the '

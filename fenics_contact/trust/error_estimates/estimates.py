@@ -14,15 +14,22 @@ from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.trust.error_estimates.coarse_history import CoarseHistory
-from fenics_contact.trust.error_estimates.half_space import domain_errors
 from fenics_contact.trust.error_estimates.held_back import TOO_STIFF
-from fenics_contact.trust.error_estimates.load_steps import between_turns, step_errors
-from fenics_contact.trust.error_estimates.losses_of_cycles import OfCycles, without_losses
-from fenics_contact.trust.error_estimates.measured import Measured, recorded
+from fenics_contact.trust.error_estimates.load_steps import (
+    CoarseHistory,
+    between_turns,
+    step_errors,
+)
+from fenics_contact.trust.error_estimates.measured import (
+    Measured,
+    OfCycles,
+    recorded,
+    without_losses,
+)
 from fenics_contact.trust.error_estimates.mesh.estimate import mesh_errors
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.parameters import (
+    domain_errors,
     iteration_errors,
     penalty_errors,
     regularisation_errors,

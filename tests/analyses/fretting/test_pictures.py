@@ -9,7 +9,7 @@ from fenics_contact.analyses.fretting.places_file import FrettingTable
 from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.page.page import Content, page
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output.run_folder import write
 from tests.analyses.fretting.test_fretting import LINE, block, body

@@ -14,8 +14,13 @@ from fenics_contact.contact.laws import friction
 from fenics_contact.contact.laws.friction.incremental import Incremental
 from fenics_contact.contact.laws.friction.static import Static
 from fenics_contact.contact.snapshot import recall, remember
-from fenics_contact.results.contact_table import CSV_HEADER, ContactTable
-from fenics_contact.results.point_arrays import PointArray, of_one_contact, of_several_contacts
+from fenics_contact.results.contact_points import (
+    CSV_HEADER,
+    ContactTable,
+    PointArray,
+    of_one_contact,
+    of_several_contacts,
+)
 from fenics_contact.simulation.output import run_folder as files
 from tests.scenes import box_body
 from tests.simulation.output.test_run_folder import block, cycled, series

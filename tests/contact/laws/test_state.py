@@ -10,7 +10,7 @@ from fenics_contact.contact.laws import normal
 from fenics_contact.contact.laws.normal.foundation import Foundation
 from fenics_contact.contact.snapshot import recall, remember
 from fenics_contact.contact.state import ContactState
-from fenics_contact.results.point_arrays import AT_POINTS, WRITTEN, PointArray
+from fenics_contact.results.contact_points import AT_POINTS, WRITTEN, PointArray
 from fenics_contact.simulation.restart.state_file import StateFile
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import STEPS, silent

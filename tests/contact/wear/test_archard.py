@@ -26,7 +26,7 @@ from fenics_contact import (
 from fenics_contact.common.errors import SceneError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.contact.snapshot import recall, remember
-from fenics_contact.results.contact_table import CSV_HEADER
+from fenics_contact.results.contact_points import CSV_HEADER
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.verification.boxes import Box, boxes

@@ -14,7 +14,7 @@ from fenics_contact.report.contacts.displacement import SurfaceDisplacement
 from fenics_contact.report.drawing.fields import body_of_nodes, read_body
 from fenics_contact.report.drawing.figures import surface_of
 from fenics_contact.report.drawing.style import COLOURS
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.verification.boxes import Box, boxes
 from tests.report.test_gallery import BELOW, LINE, coarse, drawn, has_colour, pixels, write_run  # noqa: F401

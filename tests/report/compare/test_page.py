@@ -13,7 +13,7 @@ from fenics_contact.cli.compare import command
 from fenics_contact.report.compare import contacts as drawn_contacts
 from fenics_contact.report.compare import histories as drawn_histories
 from fenics_contact.report.compare import page as compare_page
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.words.rounding import rounded
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.verification.motion.bars import bar_on_wall

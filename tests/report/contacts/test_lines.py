@@ -8,7 +8,7 @@ from fenics_contact.report.contacts.axis_stress import AxisStress, contact_radiu
 from fenics_contact.report.contacts.displacement import SurfaceDisplacement
 from fenics_contact.report.contacts.section_stress import section_at
 from fenics_contact.report.drawing.fields import read_body
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.result_file import read_result
 from tests.report.test_gallery import small_sphere, write_run
 

@@ -10,7 +10,7 @@ from fenics_contact.report.contacts.own_arrays import shown_arrays
 from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.report import write_report
 from fenics_contact.report.view.view_3d import make_view
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.contact.laws.test_own_arrays import STEPS, polished  # noqa: F401

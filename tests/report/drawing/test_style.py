@@ -19,8 +19,7 @@ from fenics_contact.report.drawing.fields import flat_outline, joined
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.style import COLOURS, LINES
 from fenics_contact.report.histories.hysteresis import last_loop
-from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.point_arrays import BODY_OF_CELLS, facet_flags
+from fenics_contact.results.contact_points import BODY_OF_CELLS, ContactTable, facet_flags
 from tests.records import made_contact, made_run
 
 pytestmark = pytest.mark.serial

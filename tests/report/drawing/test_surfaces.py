@@ -13,8 +13,7 @@ from fenics_contact.report.contacts.map_values import Surface
 from fenics_contact.report.contacts.section_stress import section_at
 from fenics_contact.report.drawing.charts import Cylinder, Plane, chart_of
 from fenics_contact.report.drawing.facets import contact_pieces
-from fenics_contact.results.contact_table import ContactTable
-from fenics_contact.results.point_arrays import facet_flags
+from fenics_contact.results.contact_points import ContactTable, facet_flags
 from fenics_contact.simulation.output.fields import _cell_fields
 from fenics_contact.simulation.output.vtu import write_grid
 from tests.records import made_contact

@@ -10,7 +10,7 @@ from fenics_contact.report.drawing.figures import surface_of
 from fenics_contact.report.drawing.units import in_units, labelled, with_unit
 from fenics_contact.report.histories import load_steps
 from fenics_contact.report.histories.load_steps import draw_history
-from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.record import UnitsRecord
 from tests.records import made_contact, made_run
 from tests.report.contacts.test_captions import cycled
 from tests.report.drawing.test_style import CONTACT, points, sheet, strip

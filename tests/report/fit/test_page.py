@@ -8,7 +8,7 @@ from mpi4py import MPI
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.fit.page import write_fit_page
 from fenics_contact.results.fit_record import FitRecord, FittedParameter
-from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.record import UnitsRecord
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
 

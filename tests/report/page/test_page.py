@@ -30,7 +30,7 @@ from fenics_contact.report.report import write_report
 from fenics_contact.report.view.view_3d import make_view
 from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.check_messages import title
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.quantities import idle_quantities
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files

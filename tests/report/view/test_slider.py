@@ -17,7 +17,7 @@ from fenics_contact.report.drawing.frames import frame_of, numbers, save_frame
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.histories.load_steps import draw_history
 from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
-from fenics_contact.results.contact_table import ContactTable
+from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.report.test_gallery import coarse  # noqa: F401

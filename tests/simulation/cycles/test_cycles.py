@@ -31,7 +31,7 @@ from fenics_contact import (
 )
 from fenics_contact.contact.last_step import LastStep
 from fenics_contact.results.cycle_losses import cycles_record
-from fenics_contact.results.words.cycles import cycle_rows, cycle_words
+from fenics_contact.results.words.tables import cycle_rows, cycle_words
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.output.run_folder import solve_and_write

@@ -22,7 +22,7 @@ from fenics_contact import (
 from fenics_contact.common.errors import SceneError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.results.result_file import read_result
-from fenics_contact.results.words.cycles import cycle_rows
+from fenics_contact.results.words.tables import cycle_rows
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.simulation.restart.state_file import StateFile

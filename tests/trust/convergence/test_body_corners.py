@@ -8,8 +8,7 @@ from mpi4py import MPI
 from scipy.optimize import brentq
 
 from fenics_contact import Contact, Material, Obstacle, Run, Scene, Support, run
-from fenics_contact.trust.convergence.body_corners import singular_corners
-from fenics_contact.trust.convergence.wedge import _conditions, is_singular
+from fenics_contact.trust.convergence.body_corners import _conditions, is_singular, singular_corners
 from tests.scenes import box_body, with_solver
 
 COMM = MPI.COMM_WORLD

@@ -12,7 +12,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.solver_choice import choose_solver, create_system
-from fenics_contact.trust.error_estimates.coarse_history import CoarseHistory, _NearPath, _thinned
+from fenics_contact.trust.error_estimates.load_steps import CoarseHistory, _NearPath, _thinned
 from fenics_contact.trust.error_estimates.measured import Measured
 from fenics_contact.trust.error_estimates.solving_again import steps_again
 from tests.scenes import with_solver

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from fenics_contact import Material, Run, main, run
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.trust.checks.equilibrium import equilibrium
+from fenics_contact.trust.checks.resultants import equilibrium
 from fenics_contact.verification import Finding
 from fenics_contact.verification.hard import CASES, HardCase
 from fenics_contact.verification.hard.bodies import box

@@ -19,7 +19,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP
 from fenics_contact.contact.surface.averaging import SurfaceAverage
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import PointArray
 from fenics_contact.scene.values import Value
 
 

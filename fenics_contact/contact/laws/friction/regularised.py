@@ -19,7 +19,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import PointArray
 from fenics_contact.scene.values import Value
 
 # Where the bound is not to be seen from the pressure, results have it at the points.

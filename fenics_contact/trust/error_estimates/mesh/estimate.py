@@ -45,27 +45,26 @@ from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.quantity_names import LossOfCycle
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.trust.convergence.unseen import unseen_depth_errors
 from fenics_contact.trust.error_estimates.held_back import TOO_STIFF, HeldBack
-from fenics_contact.trust.error_estimates.losses_of_cycles import OfCycles
+from fenics_contact.trust.error_estimates.measured import OfCycles
 from fenics_contact.trust.error_estimates.mesh.followed_loads import FollowedLoads, drawn_forces
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from fenics_contact.trust.error_estimates.mesh.load_scatter import load_scatter, piece_share
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
-from fenics_contact.trust.error_estimates.mesh.pinned_friction import unknown_by_pinned
-from fenics_contact.trust.error_estimates.mesh.single_points import (
+from fenics_contact.trust.error_estimates.mesh.singular_places import (
+    obstacle_edge_errors,
     single_point_errors,
+    torn_errors,
     touches_in_points,
 )
-from fenics_contact.trust.error_estimates.mesh.torn_corners import torn_errors
-from fenics_contact.trust.error_estimates.mesh.unseen_zones import unseen_zones
+from fenics_contact.trust.error_estimates.mesh.unseen_zones import unknown_by_pinned, unseen_zones
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,
     Measure,
     Quantities,
     differences,
 )
-from fenics_contact.trust.resolution.obstacle_edges import obstacle_edge_errors
-from fenics_contact.trust.resolution.unseen_depth import unseen_depth_errors
 
 # Weighed with all cases of ``fenics-contact verify --errors``, those that test included, and 60
 # scenes at random; tested on scenes drawn afterwards.

@@ -29,8 +29,7 @@ from fenics_contact.evaluate.internal_forces import traction_of
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
-from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_space
-from fenics_contact.trust.error_estimates.mesh.mean_stress_errors import MeanStressErrors
+from fenics_contact.trust.error_estimates.mesh.bubbles import MeanStressErrors, bubble_space
 
 # What one degree more adds to the integrands over the body's own: where products of displacements
 # count. Stresses of bubbles on triangles and tetrahedra are of the degree of the body's

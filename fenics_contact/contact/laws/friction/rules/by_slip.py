@@ -13,7 +13,7 @@ from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.friction.rules.table import in_table, named, names_of
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import PointArray
 from fenics_contact.scene.laws.friction_laws import SlipDependentFriction
 from fenics_contact.scene.values import Value
 

@@ -11,7 +11,7 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.friction.rules.coulomb import Coulomb
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import PointArray
 from fenics_contact.scene.laws.friction_laws import MicroSlipFriction
 from fenics_contact.scene.values import Value
 

@@ -25,7 +25,7 @@ from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.surface.averaging import SurfaceAverage
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import PointArray
 from fenics_contact.scene.values import Value
 
 _EARLIER_NAMES = {

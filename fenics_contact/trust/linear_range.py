@@ -1,5 +1,6 @@
-"""How far a solution is from what linear theory holds for: small strains, rotations, indentations.
+"""How deep wear is over how wide: the gap is one along the normals of the surface as it was.
 
+How far a solution is from what linear theory holds for: small strains, rotations, indentations.
 Beyond, results are off by about as much as these. Where the body is turned inside out, or passes
 through what holds it, there is no result.
 """
@@ -11,15 +12,124 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.common.parallel import largest
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import largest, smallest, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import ContactState
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.comparison import nearer_to_failing
-from fenics_contact.trust.linear_theory.displacement_gradient import CellPoints
-from fenics_contact.trust.linear_theory.indentation_sizes import IndentationSize
-from fenics_contact.trust.linear_theory.worn_width import worn_share
-from fenics_contact.trust.linear_theory.zones import TURNED, Zone, Zones, exceeded, share
+from fenics_contact.trust.displacement_gradient import CellPoints
+from fenics_contact.trust.strain_zones import TURNED, Zone, Zones, exceeded, share
+
+# Share of the deepest wear from which a point counts as worn: width has no meaning at less.
+_WORN = 0.01
+
+
+def worn_share(contact: ContactSurface, state: ContactState) -> float:
+    """Deepest wear over half the width that is worn, about the slope of what is left; collective.
+
+    Args:
+        contact: Any.
+        state: At the end of a load step.
+    """
+    if not contact.wear.wears:
+        return 0.0
+    comm, depth = contact.spaces.comm, state.own["worn_depth"]
+    deepest = largest(comm, depth)
+    if deepest == 0:
+        return 0.0
+    worn = contact.trace.coordinates[depth >= _WORN * deepest].T
+    width = np.linalg.norm([largest(comm, x) - smallest(comm, x) for x in worn])
+    return deepest / (0.5 * max(float(width), contact.facet_size))
+
+
+# Points that slid by less, over the size, are where the gap was measured.
+_SLID = 0.01
+
+
+class IndentationSize:
+    """The indentation of one obstacle over size.
+
+    The size is the smaller of the obstacle's radius (half its width if it is a punch) and of
+    the extent, along the obstacle's way, of the part of the body that it presses. The indentation
+    counts from where the obstacle first touches the undeformed surface, less how far that part
+    is displaced as a whole: by its supports, or, where none holds it along an axis, by the mean of
+    its displacement; a half-space is not.
+
+    Attributes:
+        size: (length).
+        label: Of the contact.
+        kinematics: Of the contact.
+
+    Args:
+        problem: The model; collective.
+        contact: One with a rigid obstacle that has a direction.
+        points: Those inside the cells.
+    """
+
+    def __init__(self, problem: Problem, contact: ContactSurface, points: CellPoints) -> None:
+        self._problem = problem
+        self.label = contact.label
+        spaces, kinematics = problem.spaces, contact.kinematics
+        self.kinematics = kinematics
+        pressed = np.zeros(spaces.parts.count)
+        pressed[spaces.parts.of_node[contact.nodes]] = 1.0
+        reached = total(problem.comm, pressed) > 0
+        self._nodes = np.flatnonzero(reached[spaces.parts.of_node[: spaces.owned_nodes]])
+        first = spaces.displacement_space.dofmap.list[points.cells, 0]
+        self._points = np.flatnonzero(reached[spaces.parts.of_node[first]])
+        self._volumes = points.volumes[self._points]
+        along = spaces.coordinates[self._nodes, : spaces.components] @ kinematics.direction
+        extent = largest(problem.comm, along) + largest(problem.comm, -along)
+        self.size = min(extent, _width(contact))
+
+    def share(self, displacement: Array, inside: Array) -> float:
+        """The indentation over the size, ≥ 0; collective.
+
+        Args:
+            displacement: At the nodes of this rank, (nodes, components) (length).
+            inside: At the points inside its cells, (points, components) (length).
+        """
+        kinematics = self.kinematics
+        ahead = kinematics.reached & (kinematics.facing > 0)
+        gaps = kinematics.gap[ahead] / kinematics.facing[ahead]
+        way = self._carried_along(displacement, inside) @ kinematics.direction
+        went = kinematics.indentation - smallest(self._problem.comm, gaps) - way
+        return max(float(went), 0.0) / self.size
+
+    def overlap(self) -> float:
+        """How deep a point that slid is inside the obstacle, over the size; collective.
+
+        The gap is that of linear kinematics elsewhere: measured where the points first were.
+        """
+        depths = self.kinematics.depths_of_slid(_SLID * self.size)
+        return max(largest(self._problem.comm, depths), 0.0) / self.size
+
+    def _carried_along(self, displacement: Array, inside: Array) -> Array:
+        """Displacement of the part as a whole, (components,) (length); collective."""
+        if self._problem.far_field is not None:
+            return np.zeros(inside.shape[1])
+        held = ~self._problem.free[self._nodes]
+        moved = displacement[self._nodes]
+        of_points = self._volumes @ inside[self._points]
+        sums = np.stack([(moved * held).sum(axis=0), held.sum(axis=0), of_points])
+        of_held, count, of_all = total(self._problem.comm, sums)
+        volume = total(self._problem.comm, self._volumes.sum())
+        mean = np.where(count > 0, of_held / np.maximum(count, 1.0), of_all / volume)
+        return np.asarray(mean)
+
+
+def _width(contact: ContactSurface) -> float:
+    """Return the radius or half width of an obstacle; infinite where it has none (length)."""
+    obstacle = contact.contact.obstacle
+    if obstacle is None or obstacle.radius is None:
+        return np.inf
+    if obstacle.inner_radius is not None:
+        return 0.5 * (obstacle.radius - obstacle.inner_radius)
+    return float(obstacle.radius)
+
 
 # What is compared by the check: of each, name and limit. Depths that linear kinematics leaves in
 # an obstacle are of second order: .005 of a sphere's radius for a contact of .35 of it.

@@ -17,7 +17,7 @@ from fenics_contact import (
 )
 from fenics_contact.analytic.contact import line_contact, plane_strain_modulus
 from tests.scenes import box_body
-from tests.trust.resolution.blocks import GEOMETRY, pressed
+from tests.trust.convergence.blocks import GEOMETRY, pressed
 
 COMM = MPI.COMM_WORLD
 MODULUS = plane_strain_modulus(1000, 0.3)

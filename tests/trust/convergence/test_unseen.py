@@ -22,12 +22,13 @@ from fenics_contact import (
 )
 from fenics_contact.contact.kinematics.between_points import TooCoarseError
 from fenics_contact.scene.values import Profile
-from fenics_contact.trust.resolution import obstacle_edges, unseen_depth
-from fenics_contact.trust.resolution.hidden_obstacles import hidden_obstacles
-from fenics_contact.trust.resolution.unseen import LARGEST_UNSEEN
+from fenics_contact.trust.convergence import unseen
+from fenics_contact.trust.convergence.hidden_obstacles import hidden_obstacles
+from fenics_contact.trust.convergence.unseen import LARGEST_UNSEEN
+from fenics_contact.trust.error_estimates.mesh import singular_places
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body, with_solver
-from tests.trust.resolution.blocks import GEOMETRY, pressed
+from tests.trust.convergence.blocks import GEOMETRY, pressed
 
 COMM = MPI.COMM_WORLD
 CELLS = 10
@@ -208,9 +209,9 @@ def test_bars_hold_what_edges_between_points_do(monkeypatch):
     found = punched(10, "auto")
     off = abs(found.quantities["normal_force"] - right)
     assert found.exit_code == 0 and off < found.errors["normal_force"]["total"]
-    monkeypatch.setattr(unseen_depth, "_COUNTS", 1.0)
+    monkeypatch.setattr(unseen, "_COUNTS", 1.0)
     # What the place of its edge makes is as much, and would hide that.
-    monkeypatch.setattr(obstacle_edges, "_last_points", lambda contact, state: (None, 0.0))
+    monkeypatch.setattr(singular_places, "_last_points", lambda contact, state: (None, 0.0))
     assert punched(10, "auto").errors["normal_force"]["total"] < 0.5 * off
 
 

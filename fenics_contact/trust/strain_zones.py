@@ -22,7 +22,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
-from fenics_contact.trust.linear_theory.displacement_gradient import CellPoints
+from fenics_contact.trust.displacement_gradient import CellPoints
 
 # Share of a zone's volume that is left out of strains and rotations. A surface of length L in the
 # plane has a zone of 2.6 L², so that what is within .09 L of both its ends is left out: under a

@@ -24,7 +24,7 @@ from fenics_contact import (
 )
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.results.records.steps import BranchRecord
-from fenics_contact.trust.uniqueness.other_answers import OtherAnswers
+from fenics_contact.trust.uniqueness import OtherAnswers
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 

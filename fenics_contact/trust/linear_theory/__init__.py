@@ -1,1 +1,0 @@
-"""Strains, rotations and indentations beyond what linear theory holds for."""
