@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from fenics_contact.results.records.record import Record
-from fenics_contact.results.records.units import UnitsRecord
+from fenics_contact.results.records.record import Record, UnitsRecord
 
 #: The files of a fit in its folder: the record, both curves, and the page.
 RECORD, CURVE, PAGE = "fit.json", "fit.csv", "fit.html"

@@ -98,13 +98,13 @@ class Result(Outcome):
     interrupted: bool = False
 
     def __repr__(self) -> str:
-        from fenics_contact.results.words.short_forms import as_text
+        from fenics_contact.results.words.headlines import as_text
 
         return as_text(self)
 
     def _repr_html_(self) -> str:
         """Return the HTML that notebooks show."""
-        from fenics_contact.results.words.short_forms import as_html
+        from fenics_contact.results.words.headlines import as_html
 
         return as_html(self)
 

@@ -13,8 +13,12 @@ from fenics_contact.quantities.names import REACTION
 from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value, measured_by
 from fenics_contact.results.check_messages import title
 from fenics_contact.results.comparison.differences import Difference, Estimate, difference
-from fenics_contact.results.comparison.runs import ComparedRun, units_of
-from fenics_contact.results.comparison.scenes import is_made_in_python, scene_rows
+from fenics_contact.results.comparison.runs import (
+    ComparedRun,
+    is_made_in_python,
+    scene_rows,
+    units_of,
+)
 from fenics_contact.results.quantities import (
     idle_quantities,
     measured_by_parameter,
@@ -22,10 +26,9 @@ from fenics_contact.results.quantities import (
     without_value,
 )
 from fenics_contact.results.records.contacts import ContactRecord
-from fenics_contact.results.records.record import Errors, Quantities
-from fenics_contact.results.records.units import NO_UNITS
+from fenics_contact.results.records.record import NO_UNITS, Errors, Quantities
+from fenics_contact.results.words.headlines import in_figures
 from fenics_contact.results.words.rounding import sizes_of
-from fenics_contact.results.words.short_forms import in_figures
 from fenics_contact.scene.quantity_names import OF_PRELOADS
 
 # What is said of the model, in this order.

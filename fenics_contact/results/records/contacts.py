@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from fenics_contact.results.point_arrays import PointArray
+from fenics_contact.results.contact_points import PointArray
 from fenics_contact.results.records.record import Errors, Quantities, Record
 
 
@@ -208,3 +208,19 @@ class PreloadRecord(Record):
 
 #: The records of scalar unknowns that results name: one class for each kind.
 ScalarRecord = PreloadRecord
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SlipLimitRecord(Record):
+    """How much friction there is against rigid slip, and how much of it is used.
+
+    Attributes:
+        parts: Part → how much of what friction can hold of it is used, all its contacts together
+            and the other parts at rest, 0 … 1; null where supports hold it, or where no motion
+            that they leave slips along all that touches.
+        motion: The motion, of one part or several, against which most of it is used, in words;
+            empty where there is none.
+    """
+
+    parts: Mapping[str, float | None]
+    motion: str = ""

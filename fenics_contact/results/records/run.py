@@ -14,14 +14,13 @@ from fenics_contact.results.records.contacts import (
     ContactRecord,
     PreloadRecord,
     ReactionRecord,
+    SlipLimitRecord,
     SupportRecord,
 )
 from fenics_contact.results.records.cycles import CyclesRecord
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
-from fenics_contact.results.records.record import Errors, Quantities, Record
-from fenics_contact.results.records.slip_limit import SlipLimitRecord
+from fenics_contact.results.records.record import Errors, Quantities, Record, UnitsRecord
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
-from fenics_contact.results.records.units import UnitsRecord
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
