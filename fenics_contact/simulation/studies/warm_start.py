@@ -3,8 +3,8 @@
 Contact without friction, and friction under given pressures, have one answer, wherever Newton's
 method begins. So has Coulomb's friction, by an estimate, up to a coefficient that is a matter of
 the body and its contact surfaces (``trust/uniqueness.py``). Beyond it an answer that begins at
-another one may follow a branch that a separate run would not be on: then it begins as that does, unless it
-is asked to follow.
+another one may follow a branch that a separate run would not be on: then it begins as that does,
+unless it is asked to follow.
 """
 
 from __future__ import annotations
