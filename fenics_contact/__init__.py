@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from fenics_contact.analyses.fretting.table import FatigueLimits, Fretting, StrainLifeLine
     from fenics_contact.analyses.stability.table import Stability
     from fenics_contact.analyses.vibration.table import Damping, Modes
+    from fenics_contact.analyses.wear_cycles.table import CycleJump
+    from fenics_contact.analyses.wear_cycles.wear_cycle import WearCycle
     from fenics_contact.cli.program import main, run_script
     from fenics_contact.common.errors import (
         FenicsContactError,
@@ -55,7 +57,6 @@ if TYPE_CHECKING:
     from fenics_contact.scene.laws.wear import Wear
     from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.loading.cycles import Cycles
-    from fenics_contact.scene.loading.jumps import CycleJump
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
     from fenics_contact.scene.material import Material
     from fenics_contact.scene.obstacle import HalfSpace, Obstacle
@@ -70,7 +71,6 @@ if TYPE_CHECKING:
     from fenics_contact.simulation.runs import run, run_with_fields
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
-    from fenics_contact.simulation.worn.wear_cycle import WearCycle
 
     OwnEnergy, OwnFriction = UserContactEnergy, UserFriction
     AskedDerivatives, Jumps, WornCycle = DerivativeRequest, CycleJump, WearCycle
@@ -169,7 +169,7 @@ _MODULES = {
     "scene.loading.conditions": ("Load", "Point", "Preload", "Support"),
     "scene.asked.accuracy": ("Accuracy",),
     "scene.loading.cycles": ("Cycles",),
-    "scene.loading.jumps": ("CycleJump",),
+    "analyses.wear_cycles.table": ("CycleJump",),
     "scene.loading.motion": ("Motion", "MotionModes", "Rayleigh"),
     "analyses.derivatives.table": ("DerivativeRequest",),
     "analyses.fretting.table": ("FatigueLimits", "Fretting", "StrainLifeLine"),
@@ -201,7 +201,7 @@ _MODULES = {
     "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),
     "simulation.studies.study": ("Study",),
-    "simulation.worn.wear_cycle": ("WearCycle",),
+    "analyses.wear_cycles.wear_cycle": ("WearCycle",),
 }
 
 # Names that users have in their scripts, and what they are called now.

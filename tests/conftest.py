@@ -17,7 +17,7 @@ import pytest
 
 from fenics_contact.mesh import loading
 from fenics_contact.report.drawing import style
-from fenics_contact.simulation import end_of_run  # loads FEniCSx in the right order
+from fenics_contact.simulation import step_driver  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
 from tests import compiled_headers
 from tests.scenes import ROOT
@@ -156,7 +156,7 @@ def pytest_runtest_teardown(item, nextitem):
 def _error_budget(request, monkeypatch):
     """Only tests of errors have them estimated: it takes about as long as a run."""
     if request.node.get_closest_marker("errors") is None:
-        monkeypatch.setattr(end_of_run, "error_budget", lambda *history: ErrorBudget())
+        monkeypatch.setattr(step_driver, "error_budget", lambda *history: ErrorBudget())
 
 
 @pytest.fixture(autouse=True)

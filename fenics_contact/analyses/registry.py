@@ -18,6 +18,7 @@ _PACKAGES = [
     "fenics_contact.analyses.vibration",
     "fenics_contact.analyses.stability",
     "fenics_contact.analyses.derivatives",
+    "fenics_contact.analyses.wear_cycles",
 ]
 
 
@@ -47,15 +48,20 @@ def asked_by(scene: Any) -> list[Analysis]:
     return [analysis for analysis in every() if analysis.is_asked(scene)]
 
 
+def takes_steps_of(scene: Any) -> Analysis | None:
+    """The analysis that takes the load steps of a scene in its own way, if it asks for one."""
+    return next((analysis for analysis in asked_by(scene) if analysis.own_steps), None)
+
+
 def tables_not_with(scene: Any, what: str) -> list[str]:
     """Keys of a scene by which it asks for what does not go with something else that it has.
 
     Args:
         scene: The scene.
-        what: "motion" or "jumps".
+        what: "motion" or "own steps".
     """
     refused = [analysis for analysis in asked_by(scene) if what not in analysis.goes_with]
-    return [key for analysis in refused for key in analysis.tables if getattr(scene, key)]
+    return [key for analysis in refused for key in analysis.asked_by(scene)]
 
 
 def parts_of_scene(scene: Any, name: str) -> Iterator[Any]:
@@ -76,6 +82,16 @@ def parts_of_result(result: Any, name: str) -> Iterator[Any]:
         name: Of the part.
     """
     return _parts([analysis for analysis in every() if analysis.is_in(result)], name)
+
+
+def part_of_cycle(end: Any, name: str) -> Any:
+    """A part of the analysis that brought the end of a cycle in its own way; None if none did.
+
+    Args:
+        end: Of a cycle, as a load step has it; None where it ends none.
+        name: Of the part.
+    """
+    return next(parts_of_result(end, name), None)
 
 
 def _parts(analyses: list[Analysis], name: str) -> Iterator[Any]:

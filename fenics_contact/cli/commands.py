@@ -232,12 +232,11 @@ def _asked_report(options: argparse.Namespace) -> int:
 
 
 def _report(folder: Path, quiet: bool) -> int:
+    from fenics_contact.analyses import registry
     from fenics_contact.report.fit.page import write_fit_page
     from fenics_contact.report.report import PAGE, write_report
     from fenics_contact.report.sweep.files import RECORD
     from fenics_contact.report.sweep.page import write_sweep_page
-    from fenics_contact.report.wear.files import HISTORY as WEAR
-    from fenics_contact.report.wear.page import write_wear_page
     from fenics_contact.results.fit_record import RECORD as FIT
 
     if (folder / RECORD).exists():
@@ -245,7 +244,8 @@ def _report(folder: Path, quiet: bool) -> int:
     elif (folder / FIT).exists():
         written = [write_fit_page(folder)]
     else:
-        written = [write_wear_page(folder)] if (folder / WEAR).exists() else []
+        own = [one for one in registry.every() if one.page_of and (folder / one.page_of).exists()]
+        written = [one.part("page").PAGE.write_own(folder) for one in own]
         if not written or (folder / "result.json").exists():
             written += [*(picture.path for picture in write_report(folder)), folder / PAGE]
     for path in [] if quiet else written:

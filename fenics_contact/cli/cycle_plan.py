@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fenics_contact.analyses import registry
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.keys.reference import measured_by
 from fenics_contact.scene.laws.wear import Wear
@@ -29,24 +30,18 @@ def cycle_plan(scene: Scene, names: UnitNames | None) -> Iterator[str]:
 
 def _cycles(scene: Scene, cycles: Cycles) -> str:
     """How many, and how many load steps that takes."""
-    each = load_steps_in_cycle(scene)
+    each, own = load_steps_in_cycle(scene), registry.takes_steps_of(scene)
     if each is None:
         steps, total = "automatic load steps", ""
     else:
         steps = f"{each} load steps each"
-        total = f", {cycles.number * each:,} load steps" if cycles.jumps is None else ""
+        total = f", {cycles.number * each:,} load steps" if own is None else ""
     words = (
         f"Cycles: {cycles.number:,} of {steps}{total}, the first from time {cycles.begin:g} to "
         f"{cycles.end:g}"
     )
-    if cycles.jumps is not None:
-        fixed = cycles.jumps.fixed
-        if fixed is not None:
-            jumps = -(-(cycles.number - 1) // fixed)
-            solves = f"{jumps:,} jumps of {fixed} cycles"
-        else:
-            solves = f"as many jumps as errors below {100 * cycles.jumps.error:g} % take"
-        return f"{words}; most are passed over, by {solves}, each of which computes two cycles"
+    if own is not None:
+        return f"{words}; {own.part('words').WORDS.cycle_plan(cycles)}"
     return f"{words}; none after the loop is closed" if cycles.until == "closed" else words
 
 

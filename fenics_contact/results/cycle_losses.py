@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from itertools import takewhile
-from typing import Any
+from typing import cast
 
 import numpy as np
 
+from fenics_contact.analyses import registry
 from fenics_contact.common.arrays import Array
 from fenics_contact.quantities.names import EXTERNAL_WORK, FRICTION_WORK
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.cycles import (
-    CycleEnd,
     CycleRecord,
     CyclesRecord,
     LoopRecord,
@@ -50,9 +49,9 @@ def cycles_record(
         return None
     history = History(accepted, np.array([step.load_factor for step in accepted]))
     drives = history.drives(contacts, far)
-    first = accepted[ends[0]].cycle
-    if first is not None and first.worn is not None:
-        return _passed_over(history, cycles)
+    own = registry.part_of_cycle(accepted[ends[0]].cycle, "losses")
+    if own is not None:
+        return cast(CyclesRecord, own.cycles_record(accepted, cycles))
     begin = _before_cycles(history.time, cycles)
     begins = [begin, *ends[:-1]]
     spans = zip(begins, ends, strict=True)
@@ -86,44 +85,6 @@ def _of_all(rows: Sequence[ErrorRow], repeats: int) -> ErrorRow:
         known = [value for value in values if value is not None]
         found[source] = sum(known) if len(known) == len(values) else None
     return found
-
-
-def _passed_over(history: History, cycles: Cycles) -> CyclesRecord:
-    """Return the record of cycles that wear, of which each one's last load step is known.
-
-    Args:
-        history: Those steps.
-        cycles: Of the scene.
-    """
-    each = []
-    for number, step in enumerate(history.steps, start=1):
-        end = step.cycle
-        assert end is not None and end.worn is not None
-        each.append(
-            CycleRecord(
-                **_as_said(end),
-                steps=[number, number],
-                loss=float(sum(end.worn.losses.values())),
-                work=None,
-                contacts=end.worn.losses,
-                errors={"total": None},
-            )
-        )
-    works = [step.quantities[FRICTION_WORK] for step in (history.steps[0], history.steps[-1])]
-    return CyclesRecord(
-        kind="",
-        closed_in=None,
-        number=cycles.number,
-        computed=len(each),
-        loss=works[1] - works[0] + each[0].loss,
-        each=each,
-        errors={"total": None},
-    )
-
-
-def _as_said(end: CycleEnd) -> dict[str, Any]:
-    """The attributes of the end of a cycle."""
-    return {field.name: getattr(end, field.name) for field in fields(CycleEnd)}
 
 
 def _before_cycles(times: Array, cycles: Cycles) -> int:
@@ -162,7 +123,7 @@ def _cycle(
     }
     cycle, unknown = last.cycle.number, {"total": None}
     return CycleRecord(
-        **_as_said(last.cycle),
+        **last.cycle,
         steps=[begin + 2, end + 1],
         loss=since(FRICTION_WORK),
         work=since(EXTERNAL_WORK),

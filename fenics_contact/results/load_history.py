@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fenics_contact.analyses import registry
 from fenics_contact.common.arrays import Array
 from fenics_contact.quantities.names import (
     CONTACT_AREA,
@@ -17,7 +18,6 @@ from fenics_contact.quantities.names import (
     OBSTACLE_DISPLACEMENT,
     REACTION,
     STICK_AREA,
-    WORN_VOLUME,
 )
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
@@ -179,15 +179,11 @@ def step_line(number: int, step: StepRecord, units: UnitNames | None = None) -> 
         step: Its record.
         units: Of the scene, if any.
     """
+    own = registry.part_of_cycle(step.cycle, "words")
+    if own is not None:
+        return str(own.WORDS.step_line(step, units))
     area = "" if units is None else f" {units.of('area')}"
     found, passes = step.quantities, step.outer_iterations
-    worn = None if step.cycle is None else step.cycle.worn
-    if step.cycle is not None and worn is not None:
-        volume = "" if units is None else f" {units.of('volume')}"
-        return (
-            f"cycle {step.cycle.number}: {worn.passed_over} before it passed over, worn volume "
-            f"{found[WORN_VOLUME]:.4g}{volume}, contact area {found[CONTACT_AREA]:.4g}{area}"
-        )
     counted = f", {passes} pass{'es' if passes > 1 else ''}" if passes else ""
     return (
         f"step {number}: time {step.load_factor:.6g}, {newton_steps(step.newton_iterations)}"

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from fenics_contact.analyses import registry
 from fenics_contact.scene.loading.conditions import Preload
-from fenics_contact.scene.loading.jumps import require_wear
 from fenics_contact.scene.loading.load_paths import require_cycles
 from fenics_contact.scene.loading.motion import require_motion
 from fenics_contact.scene.mesh_source import MeshSource
@@ -156,4 +155,4 @@ def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
 
 
 # Of tables that not every scene has.
-_OF_TABLES = (require_cycles, require_motion, require_wear)
+_OF_TABLES = (require_cycles, require_motion)

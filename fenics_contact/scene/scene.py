@@ -222,11 +222,6 @@ class Scene(HasUnits):
         """All load steps, to the end of the last cycle; of cycles with jumps the ends of all."""
         return load_steps_of(self)
 
-    @property
-    def passes_cycles_over(self) -> bool:
-        """Whether not every cycle is computed."""
-        return self.cycles is not None and self.cycles.jumps is not None
-
     def path_time(self, time: float) -> float:
         """The pseudo-time at which load paths are asked: of all cycles that in the first.
 

@@ -7,9 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from mpi4py import MPI
+
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.step_driver import StepDriver
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.newton.solution import Solution
 
@@ -20,10 +23,12 @@ class AnalysisFinding:
 
     Attributes:
         attributes: Of the result.
+        further: What ``further`` of the result has of it, by name; plain data for ``result.json``.
         words: Added to its verdict.
     """
 
     attributes: Mapping[str, Any] = field(default_factory=dict)
+    further: Mapping[str, Any] = field(default_factory=dict)
     words: str = ""
 
 
@@ -56,11 +61,34 @@ class AnalysisTask:
             InputError: In one sentence.
         """
 
+    def driver(self) -> StepDriver | None:
+        """What takes the load steps of a run in its own way; None where each is taken once."""
+        return None
+
     def begin(self, problem: Problem) -> None:
         """Make ready to follow the load steps of a problem, of which none is taken yet."""
 
     def resumed(self) -> None:
         """Load steps of an earlier run, which were not followed, come before those of this one."""
+
+    def begin_files(self, comm: MPI.Comm, folder: Path, resumed: float | None) -> None:
+        """Make ready to write the files that grow with the load steps.
+
+        Args:
+            comm: Of the run.
+            folder: Where to.
+            resumed: Pseudo-time up to which there are files of an earlier run; None of a new one.
+
+        Raises:
+            MachineError: They cannot be made.
+        """
+
+    def add_to_files(self) -> None:
+        """Write what has been added to the history.
+
+        Raises:
+            MachineError: It could not be written.
+        """
 
     def accepted(self, time: float, solution: Solution) -> None:
         """Follow a load step, in whose state the problem is.

@@ -18,6 +18,7 @@ from fenics_contact.results.records.model import Seconds
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.analysis_task import AnalysisFinding, AnalysisTask
+from fenics_contact.simulation.step_driver import StepDriver
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.solve.newton.solution import Solution
 
@@ -31,6 +32,7 @@ class AnalysisTasks:
 
     Attributes:
         notes: Sentences on what could not be followed of load steps.
+        driver: Takes the load steps of the run.
 
     Raises:
         InputError: The scene cannot have what it asks for.
@@ -42,6 +44,8 @@ class AnalysisTasks:
         self._tasks: list[tuple[Analysis, AnalysisTask]] = [
             (analysis, part.TASK(scene)) for analysis, part in asked if part is not None
         ]
+        own = (task.driver() for _, task in self._tasks)
+        self.driver = next((driver for driver in own if driver is not None), StepDriver())
         self._following: list[AnalysisTask] = []
         self.notes: list[str] = []
 
@@ -80,6 +84,21 @@ class AnalysisTasks:
         for task in self._following:
             task.resumed()
 
+    def begin_files(self, folder: Path, resumed: float | None) -> None:
+        """Make ready to write the files that grow with the load steps.
+
+        Args:
+            folder: Where to.
+            resumed: Pseudo-time up to which there are files of an earlier run; None of a new one.
+        """
+        for _, task in self._tasks:
+            task.begin_files(self._comm, folder, resumed)
+
+    def add_to_files(self) -> None:
+        """Write what has been added to the history to the files that grow with the load steps."""
+        for _, task in self._tasks:
+            task.add_to_files()
+
     def accepted(self, time: float, solution: Solution) -> None:
         """Follow a load step; one that fails follows no further ones.
 
@@ -105,7 +124,8 @@ class AnalysisTasks:
             for task in self._following
         ]
         attributes = {name: one for found in every for name, one in found.attributes.items()}
-        return AnalysisFinding(attributes, "".join(found.words for found in every))
+        further = {name: one for found in every for name, one in found.further.items()}
+        return AnalysisFinding(attributes, further, "".join(found.words for found in every))
 
     def complete(self, result: Result, body: Callable[[], KeptBody], timings: Timings) -> Result:
         """The result with what it takes the body again to find.

@@ -18,7 +18,7 @@ from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.convergence.unseen import judged_by_depth
-from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget, unknown_budget
+from fenics_contact.trust.error_estimates.budget import ErrorBudget, unknown_budget
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.solving_again import restore
 from fenics_contact.trust.uniqueness import OtherAnswers, search_other_solutions
@@ -90,7 +90,7 @@ class EndOfRun:
         self,
         load_steps: LoadSteps,
         steps: Sequence[StepRecord],
-        judge: Judge | None,
+        judge: Judge,
         at_end: AtEnd | None,
     ) -> None:
         """Estimate errors, and tell somebody who needs those of cells; collective.
@@ -98,10 +98,10 @@ class EndOfRun:
         Args:
             load_steps: At their end.
             steps: All load steps.
-            judge: Estimates; by default ``error_budget``.
+            judge: Estimates.
             at_end: Who is told.
         """
-        estimate = partial(judge or error_budget, load_steps, steps)
+        estimate = partial(judge, load_steps, steps)
         if not self.take_budget(load_steps.problem.comm, estimate):
             restore(load_steps)
         if at_end is not None:

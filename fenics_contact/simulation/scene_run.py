@@ -4,46 +4,37 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 from mpi4py import MPI
 
-from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import NotConvergedError, StoppedError
-from fenics_contact.common.failures import attempt, failing_together, silently
+from fenics_contact.common.failures import failing_together, silently
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBalance
 from fenics_contact.evaluate.momentum_balance import MovingForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.cycle_losses import cycles_record
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.records.contacts import ContactRecord
-from fenics_contact.results.records.model import Model, Seconds
-from fenics_contact.results.records.record import Quantities
+from fenics_contact.results.records.model import Model
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Result
-from fenics_contact.results.words.tables import cycle_words
-from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation import verdict
 from fenics_contact.simulation.analysis_tasks import AnalysisTasks
-from fenics_contact.simulation.description import model_of, record_of, units_of
 from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun
 from fenics_contact.simulation.modes_of_motion import ChosenModes, choose_modes, modes_ahead
 from fenics_contact.simulation.motion_errors import MotionErrors
 from fenics_contact.simulation.output.functions import Fields
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.result_of_run import ResultOfRun
 from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.steps_of_run import RunListeners, StepsOfRun, by_default
 from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.simulation.worn.cycle_history import CycleHistory
-from fenics_contact.simulation.worn.wear_cycle import WearCycle, one_cycle
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_stepper import begin_motion
@@ -118,12 +109,12 @@ class Run:
 
     def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
         """Mesh, model and solver; collective."""
-        passes_over = scene.passes_cycles_over
         self._tasks = AnalysisTasks(scene, comm)
         asks_more = self._tasks.use_body
         moves_in_modes = scene.motion is not None and scene.motion.modes is not None
         # What is asked besides uses the body again, but does not change how the answer is computed.
-        self._solves_many = self._kept is not None or passes_over or moves_in_modes
+        takes_all = self._tasks.driver.takes_all
+        self._solves_many = self._kept is not None or moves_in_modes or not takes_all
         if self._kept is None and (self._solves_many or (asks_more and scene.accuracy is None)):
             body = body or mesh_of(scene, comm, self.timings)
             factors = KnownFactors()
@@ -132,9 +123,9 @@ class Run:
             body = body or mesh_of(scene, comm, self.timings)
             self._pose(Problem.on_mesh(scene, body, self.timings))
         else:
-            once = one_cycle(scene, None, None)[0] if passes_over else scene
+            modelled = self._tasks.driver.modelled(scene)
             by_points = self._solves_many or scene.motion is not None
-            self._pose(Problem(once, self._kept.discrete, self.timings, by_points))
+            self._pose(Problem(modelled, self._kept.discrete, self.timings, by_points))
             if not self._solves_many:
                 choose_solver(self.problem, is_kept=True)  # refuses what memory will not hold later
         self._tasks.require(self.problem)
@@ -148,8 +139,8 @@ class Run:
             self.free_motion: FreeMotion = require_equilibrium(problem)
         self.choice: SolverChoice = choose_solver(problem, self._solves_many)
         forces_of = partial(MovingForces if self.scene.motion else BulkForces, problem)
-        kind = CycleHistory if self.scene.passes_cycles_over else StepHistory
-        self._history = kind(problem, self.timings, forces_of)
+        driver = self._tasks.driver
+        self._history: StepHistory[BulkForces] = driver.history(problem, self.timings, forces_of)
 
     def _choose_modes(self) -> None:
         """Choose the modes of a motion that is to move in few; collective."""
@@ -175,11 +166,6 @@ class Run:
             at_end: Gets the load steps, and the errors of cells where these were estimated.
         """
         self._at_end = at_end
-
-    @property
-    def worn_cycle(self) -> WearCycle | None:
-        """The last cycle that was computed, where cycles that wear are passed over."""
-        return self._history.cycle
 
     @property
     def solution(self) -> Solution | None:
@@ -214,9 +200,26 @@ class Run:
     @property
     def model(self) -> Model:
         """``model`` of ``result.json``; collective."""
-        model = model_of(self.problem, self.choice, self.free_motion, self.solution)
-        error = None if self._modes is None else self._modes.error(self.steps)
-        return dataclasses.replace(model, free_modes_error=error)
+        return self._result.model
+
+    def contacts(self) -> list[ContactRecord]:
+        """``contacts`` of ``result.json``, without quantities."""
+        return self._result.contacts()
+
+    @property
+    def _result(self) -> ResultOfRun:
+        """What puts the result together, of what is known by now."""
+        return ResultOfRun(
+            scene=self.scene,
+            problem=self.problem,
+            free_motion=self.free_motion,
+            choice=self.choice,
+            history=self._history,
+            tasks=self._tasks,
+            end=self.end,
+            modes=self._modes or ChosenModes(self.scene),
+            timings=self.timings,
+        )
 
     def solve(
         self,
@@ -271,12 +274,12 @@ class Run:
             condense = None if self._kept is None else self._kept.condense
             taken.take(self.problem, self.choice, condense, self.end)
         except NotConvergedError as error:
-            return self._unconverged(error, taken.tried, taken.spent)
+            return self._result.unconverged(error, taken.tried, taken.spent)
         except StoppedError:
-            return self._interrupted()
+            return self._result.interrupted()
         if self.scene.motion is not None and self.scene.solver.errors == "all":
             self._judge_motion()
-        result = self._evaluate()
+        result = self._result.evaluate()
         if self.end.interrupted:
             words = f"{result.verdict} {_INTERRUPTED}"
             return dataclasses.replace(result, verdict=words, interrupted=True)
@@ -285,7 +288,7 @@ class Run:
     def _answer_alone(self, answered: Callable[[Result], None] | None) -> None:
         """Tell the answer before what follows it, if something does; collective."""
         if answered is not None and self._is_judged:
-            result = self._evaluate()
+            result = self._result.evaluate()
             answered(dataclasses.replace(result, verdict=f"{result.verdict} {_ALONE}"))
 
     @property
@@ -313,125 +316,3 @@ class Run:
             self._kept.serve_many()
             return self._kept
         return KeptBody(self.scene, self.problem.body, Timings(), KnownFactors())
-
-    def contacts(self, quantities: Sequence[Quantities] | None = None) -> list[ContactRecord]:
-        """``contacts`` of ``result.json``.
-
-        Args:
-            quantities: Those of each contact, once there are any.
-        """
-        quantities = quantities or [{} for _ in self.problem.contacts]
-        pairs = zip(self.problem.contacts, quantities, strict=True)
-        return [
-            dataclasses.replace(
-                record_of(contact),
-                uniqueness_limit=self.end.others.limit(contact.label),
-                quantities=found,
-                errors=self.end.budget.of_contact(number),
-            )
-            for number, (contact, found) in enumerate(pairs)
-        ]
-
-    def _evaluate(self) -> Result:
-        """Return the result of the last load step; collective."""
-        problem, solution, history = self.problem, self.solution, self._history
-        assert solution is not None
-        modes = self._modes or ChosenModes(self.scene)
-        quantities, open_share = history.steps[-1].quantities, history.energy_balance.open_share
-        with self.timings.phase("output"):
-            checks = (self.end.checks or history.checks()) | modes.check(history.steps)
-            points = contact_points(problem, solution)
-            not_found: list[str] = []
-            found = self._tasks.evaluate(not_found)
-        contacts = self.contacts(history.by_contact)
-        far = () if self.scene.half_space is None else (self.scene.half_space.label,)
-        losses = self.end.budget.losses
-        notes = [*history.notes, *self._tasks.notes, *not_found, *self.end.notes]
-        passes = cycles_of(self.scene)
-        count = partial(cycles_record, history.steps, contacts, passes, far, losses)
-        cycles = attempt(problem.comm, "Losses of cycles were not found", count, None, notes)
-        missing = "How near parts are to slipping was not found"
-        near = attempt(problem.comm, missing, history.slip_limit, None, notes)
-        said = verdict.with_unresolved(verdict.of_checks(checks), problem, solution, notes)
-        said += verdict.remarks(problem, solution, history.steps, open_share, notes)
-        return Result(
-            title=self.scene.title,
-            converged=True,
-            verdict=said
-            + cycle_words(cycles)
-            + found.words
-            + self.end.others.words()
-            + modes.words(history.steps)
-            + "".join(f" {note}" for note in notes),
-            model=self.model,
-            contacts=contacts,
-            supports=self.end.budget.of_supports(history.supports),
-            reactions=self.end.budget.of_reactions(history.supports),
-            preloads=self.end.budget.of_scalars(history.scalars),
-            quantities=quantities,
-            steps=history.steps,
-            cycles=cycles,
-            slip_limit=near,
-            checks=checks,
-            branches=self.end.others.branches,
-            errors=self.end.budget.quantities,
-            error_notes=self.end.budget.notes,
-            timings=Seconds(**self.timings.summary(problem.comm)),
-            versions=compat.versions(),
-            units=units_of(self.scene, quantities),
-            points=points,
-            **found.attributes,
-        )
-
-    def _stopped_short(self, words: str, steps: list[StepRecord]) -> Result:
-        """Return the result of a history that did not reach its end; collective.
-
-        Args:
-            words: Why it did not.
-            steps: Those accepted, and the one that was not.
-        """
-        if self.solution is not None:
-            reached = self.steps[-1].load_factor
-            words += (
-                f" Results are those of the last load step that was done, at time {reached:g} of "
-                f"{self.scene.load_steps.last:g}; --resume goes on from there."
-            )
-            return dataclasses.replace(
-                self._evaluate(), converged=False, verdict=words, steps=steps
-            )
-        return Result(
-            title=self.scene.title,
-            converged=False,
-            verdict=words,
-            model=self.model,
-            contacts=self.contacts(),
-            supports=[],
-            quantities={},
-            steps=steps,
-            checks={},
-            timings=Seconds(**self.timings.summary(self.problem.comm)),
-            versions=compat.versions(),
-            units=units_of(self.scene, ()),
-        )
-
-    def _unconverged(self, error: NotConvergedError, tried: float, spent: int) -> Result:
-        """The last step that converged, if any, and the history of the one that did not."""
-        step = StepRecord(
-            load_factor=tried,
-            newton_iterations=spent,
-            outer_iterations=0,
-            attempts=list(error.attempts),
-            residual_history=list(error.residual_history),
-            quantities={},
-        )
-        reached = None if self.solution is None else self.steps[-1].load_factor
-        asked = verdict.asked_too_much(self.problem, self.solution, tried, reached)
-        why = asked or str(error)
-        words = verdict.unconverged(why, self.scene.load_steps, tried, reached)
-        if self.solution is not None:
-            words += verdict.facets_too_straight(self.problem, self.solution)
-        return self._stopped_short(words, [*self.steps, step])
-
-    def _interrupted(self) -> Result:
-        words = "Interrupted" + ("." if self.solution else " before any load step was done.")
-        return dataclasses.replace(self._stopped_short(words, self.steps), interrupted=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import attempt
@@ -25,9 +25,6 @@ from fenics_contact.simulation.output.functions import Fields, fields_of
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.checks.run_checks import made, run_checks
 from fenics_contact.trust.linear_range import LinearRange, linear_range
-
-if TYPE_CHECKING:
-    from fenics_contact.simulation.worn.wear_cycle import WearCycle
 
 # Steps of a motion that are many, of which strains are looked at in every fourth.
 _MANY, _SELDOM = 100, 4
@@ -53,10 +50,7 @@ class StepHistory(Generic[_Forces]):
         supports: Each support there.
         preloads: Each preload there, by its name.
         notes: Sentences on what could not be found of a load step beside its answer.
-        cycle: The last cycle that was computed, where cycles that wear are passed over.
     """
-
-    cycle: WearCycle | None = None
 
     def __init__(
         self, problem: Problem, timings: Timings, forces_of: Callable[[Solution], _Forces]
@@ -118,8 +112,8 @@ class StepHistory(Generic[_Forces]):
             quantities |= self.forces.quantities()
             quantities |= self.momenta.count(self.forces, self.by_contact)
         quantities |= self._work_along(quantities)
-        if solution.cycle is not None and solution.cycle.worn is None:
-            self.energy_balance.end_cycle(quantities)
+        if solution.cycle is not None:
+            self._end_cycle(quantities)
         with self._timings.phase("output"):
             sizes = self._sizes(solution) if self._looks_inside else {}
         self.steps.append(
@@ -216,6 +210,14 @@ class StepHistory(Generic[_Forces]):
         """The work of the step whose forces these are; collective."""
         if self._problem.scene.load_steps.several:  # else there is no path to count along
             self.energy_balance.count(self.forces)
+
+    def _end_cycle(self, quantities: dict[str, Any]) -> None:
+        """Have the energy balance compare a cycle that ends with the one before.
+
+        Args:
+            quantities: At its end.
+        """
+        self.energy_balance.end_cycle(quantities)
 
     def checks(self) -> dict[str, Check]:
         """Return the checks of the last load step; collective."""

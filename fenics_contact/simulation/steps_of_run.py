@@ -6,13 +6,10 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from math import inf
-from time import monotonic
 from typing import Any
 
 from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.failures import silently
-from fenics_contact.common.parallel import from_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.load_history import Announce, step_line
@@ -23,15 +20,9 @@ from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation.analysis_tasks import AnalysisTasks
 from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.step_driver import StateKeeper
 from fenics_contact.simulation.step_history import StepHistory
-from fenics_contact.simulation.worn.cycle_history import CycleHistory
-from fenics_contact.simulation.worn.cycles_of_run import CyclesOfRun
-from fenics_contact.solve.load_steps.accepted_step import (
-    AcceptedStep,
-    AuxiliaryState,
-    StepListener,
-    Unknowns,
-)
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener, Unknowns
 from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.solver_choice import Condense, SolverChoice
@@ -64,7 +55,7 @@ class StepsOfRun(StepListener):
     """Takes a model through its load steps, once, and records them; collective.
 
     Args:
-        scene: What is solved; where cycles are passed over, its model is of one of them.
+        scene: What is solved.
         history: To which they are added.
         tasks: Analyses that follow them.
         timings: To which what it takes is counted.
@@ -93,7 +84,7 @@ class StepsOfRun(StepListener):
         self._tasks = tasks
         self._listeners = listeners
         self._state, self._saved, self._guess = state, saved, guess
-        self._cycles: CyclesOfRun | None = None
+        self._driver = tasks.driver
         self._end = EndOfRun()
         self.tried, self.spent = 0.0, 0
 
@@ -113,9 +104,8 @@ class StepsOfRun(StepListener):
             StoppedError: Somebody asked to stop.
         """
         self._end = end
-        if isinstance(self._history, CycleHistory):
-            self._cycles = CyclesOfRun(self._scene, self._history, self._tell)
-        parts = (self._timings, choice, condense, self._listeners.stopped, self._cycles is None)
+        finds_body = self._driver.takes_all
+        parts = (self._timings, choice, condense, self._listeners.stopped, finds_body)
         with stepping(problem, *parts) as load_steps:
             try:
                 self._begin(load_steps)
@@ -126,30 +116,23 @@ class StepsOfRun(StepListener):
 
     def _drive(self, load_steps: LoadSteps) -> None:
         """Take load steps; those who do not reach the end can go on from where they are."""
-        keeper = _StateKeeper(load_steps, self._history, self._timings, self._state)
+        keeper = StateKeeper(load_steps, self._history, self._timings, self._state)
         try:
-            if self._cycles is None:
-                load_steps.solve(self, keeper)
-            else:
-                self._cycles.drive(load_steps, keeper.keep)
+            self._driver.drive(load_steps, self, keeper, self._tell)
         except (NotConvergedError, StoppedError):
             keeper.make_up()
             raise
 
     def _begin(self, load_steps: LoadSteps) -> None:
         """Before the first step, which may be one to resume from."""
-        repeats = load_steps.newton.system.repeats_cheaply and self._cycles is None
+        repeats = load_steps.newton.system.repeats_cheaply and self._driver.takes_all
         if self._scene.solver.errors != "none" and repeats:
             load_steps.keep_ends()
         load_steps.begin_near(self._guess)
         saved = self._saved
         if saved is None:
             return
-        if self._cycles is not None:
-            solution = self._cycles.resume(load_steps, saved)
-        else:
-            solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.auxiliary)
-        self._history.resume(solution, saved.energy)
+        self._history.resume(self._driver.resume(load_steps, saved), saved.energy)
         self._tasks.resumed()
 
     def accepted(self, step: AcceptedStep) -> None:
@@ -178,61 +161,10 @@ class StepsOfRun(StepListener):
 
     def _judge(self, load_steps: LoadSteps) -> None:
         """Judge the answer: checks, other answers and error bars; collective."""
-        cycles, at_end = self._cycles, self._listeners.at_end
-        self._end.look_beside(load_steps, self._timings, weighs_depth=cycles is None)
+        driver, at_end = self._driver, self._listeners.at_end
+        self._end.look_beside(load_steps, self._timings, weighs_depth=driver.takes_all)
         with self._timings.phase("errors"):
-            judge = None if cycles is None else cycles.budget
-            self._end.estimate_errors(load_steps, self._history.steps, judge, at_end)
-
-
-class _StateKeeper(StepListener):
-    """Writes the state of load steps to a file, from which another run can go on.
-
-    Args:
-        load_steps: Those that are taken.
-        history: Theirs.
-        timings: To which what it takes is counted.
-        state: The file; None where nothing is kept.
-    """
-
-    def __init__(
-        self,
-        load_steps: LoadSteps,
-        history: StepHistory[Any],
-        timings: Timings,
-        state: StateFile | None,
-    ) -> None:
-        self._load_steps, self._history, self._timings = load_steps, history, timings
-        self._state = state
-        self._kept_at, self._unkept = -inf, False
-
-    def completed(self) -> None:
-        """Write the state of the last load step, where it is time to; collective."""
-        load_steps = self._load_steps
-        if self._state is None:
-            return
-        is_last = load_steps.pace.next(load_steps.time) is None
-        now = from_root(load_steps.problem.comm, monotonic())
-        self._unkept = not is_last and now < self._kept_at + load_steps.seconds_unkept
-        if not self._unkept:
-            self.keep(load_steps.auxiliary)
-            self._kept_at = now
-
-    def make_up(self) -> None:
-        """Write the state of the last load step, if it was not time to before; collective."""
-        if self._unkept:
-            self.keep(self._load_steps.auxiliary)
-
-    def keep(self, auxiliary: AuxiliaryState) -> None:
-        """Write the state of the last load step; collective.
-
-        Args:
-            auxiliary: What another run needs besides it.
-        """
-        if self._state is None:
-            return
-        with self._timings.phase("output"):
-            self._state.save(self._load_steps, self._history.steps, self._history.sums, auxiliary)
+            self._end.estimate_errors(load_steps, self._history.steps, driver.budget, at_end)
 
 
 def by_default(scene: Scene) -> Announce:

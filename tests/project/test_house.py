@@ -31,10 +31,18 @@ ORDER = (
 ANALYSES = {
     **dict.fromkeys(("analysis", "registry", "__init__"), "common"),
     "table": "scene",
-    **dict.fromkeys(("record", "places", "words", "files"), "results"),
-    **dict.fromkeys(("page", "pictures", "places_file"), "report"),
+    **dict.fromkeys(("record", "places", "words", "files", "losses"), "results"),
+    **dict.fromkeys(("page", "pictures", "film", "places_file", "worn_history"), "report"),
     **dict.fromkeys(("curves", "shapes", "damping_curves", "mode_pictures"), "report"),
 }
+# These know no analysis, and not the list of them.
+CORE = ("body", "contact", "problem", "solve", "evaluate", "trust")
+# These have fields whose types are tables or records of analyses.
+FIELDS_OF_ANALYSES = (
+    *("scene/scene.py", "scene/loading/cycles.py"),
+    *("results/records/run.py", "results/records/cycles.py", "results/result.py"),
+)
+BESIDE = ("analyses", "verification")
 # A package that holds others: from the ground up.
 INSIDE = {
     "contact": ("surface", "mortar", "kinematics", "laws"),
@@ -43,7 +51,7 @@ INSIDE = {
     ),
     "solve": ("systems", "condensed", "iterative", "newton", "coulomb", "load_steps"),
     "simulation": (
-        *("restart", "sensitivities", "worn", "studies", "adaptive", "output", "sweeps", "fits"),
+        *("restart", "sensitivities", "studies", "adaptive", "output", "sweeps", "fits"),
     ),
 }
 # These are read where there is no FEniCSx and no MPI, or before it is loaded.
@@ -141,6 +149,29 @@ def test_what_is_read_without_fenicsx_does_not_load_it() -> None:
                 )
             }
             assert not names & HEAVY, path
+
+
+@pytest.mark.parametrize("room", CORE)
+def test_the_core_knows_no_analysis(room: str) -> None:
+    """Not even the list of them, which scene, run, results, page and files go through."""
+    for path in (PACKAGE / room).rglob("*.py"):
+        assert not any(name.startswith("fenics_contact.analyses") for name in imports(path)), path
+
+
+def analyses_named_in(path: Path) -> set[str]:
+    """Folders of analyses from which a file imports."""
+    folders = {folder.name for folder in (PACKAGE / "analyses").iterdir() if folder.is_dir()}
+    parts = [name.split(".") for name in imports(path)]
+    return {
+        of[2] for of in parts if of[:2] == ["fenics_contact", "analyses"] and len(of) > 2
+    } & folders
+
+
+def test_others_name_an_analysis_only_in_the_types_of_fields() -> None:
+    """Those of a scene and of a record; and a study, whose methods users call by name."""
+    others = [path for path in files() if path.relative_to(PACKAGE).parts[0] not in BESIDE]
+    named = {str(path.relative_to(PACKAGE)) for path in others if analyses_named_in(path)}
+    assert named == {*FIELDS_OF_ANALYSES, "simulation/studies/study.py"}
 
 
 def test_no_analysis_needs_another_one() -> None:

@@ -39,7 +39,7 @@ NOT_OF_SCENES = {
     "results/comparison/runs.py",
     "report/fit/files.py",
     "report/sweep/files.py",
-    "report/wear/files.py",
+    "analyses/wear_cycles/worn_history.py",
     "results/contact_points.py",
     "results/result_file.py",
     "simulation/adaptive/targets.py",

@@ -12,7 +12,7 @@ from fenics_contact.analyses.derivatives.table import DerivativeRequest
 from fenics_contact.cli import commands
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt
-from fenics_contact.simulation import end_of_run, scene_run, verdict
+from fenics_contact.simulation import end_of_run, result_of_run, verdict
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.simulation.restart.state_file import StateFile
 from fenics_contact.simulation.step_history import LinearRange
@@ -62,7 +62,7 @@ PIECES = {
     "derivatives": (derivatives, "asked_derivatives", "No derivatives: "),
     "tolerances": (derivatives, "uncertainties", "No uncertainties: "),
     "remarks": (verdict, "slid_far", "Some of what limits the answer was not looked at: "),
-    "cycles": (scene_run, "cycles_record", "Losses of cycles were not found: "),
+    "cycles": (result_of_run, "cycles_record", "Losses of cycles were not found: "),
     "fields": (files.FieldSeries, "write", "Fields were not written: "),
 }
 

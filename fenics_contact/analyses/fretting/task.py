@@ -48,7 +48,7 @@ class FrettingTask(AnalysisTask):
         assert asked is not None and history is not None
         record, places = evaluate_fretting(self._problem, asked, history) or (None, None)
         found = {"fretting": record, "fretting_places": places}
-        return AnalysisFinding(found, fretting_words(asked, record))
+        return AnalysisFinding(found, words=fretting_words(asked, record))
 
     def write_fields(self, problem: Problem, result: Result, folder: Path) -> None:
         """Write ``fretting.pvd``."""

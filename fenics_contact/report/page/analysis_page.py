@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.run_to_draw import RunToDraw
@@ -46,6 +47,21 @@ class AnalysisPage:
             InputError: A display is missing; says what to install.
         """
         return iter(())
+
+    def write_own(self, folder: Path) -> Path:
+        """Write a page of its own, of the file that ``Analysis.page_of`` names.
+
+        Args:
+            folder: Where the file is.
+
+        Returns:
+            The path of the page.
+
+        Raises:
+            InputError: A file is missing or damaged, or a library is.
+            MachineError: The page could not be written.
+        """
+        raise NotImplementedError
 
     def animations(self, run: RunToDraw) -> Iterator[Picture]:
         """Draw what moves, which papers cannot have.

@@ -52,6 +52,7 @@ class Outcome(Record):
         modes: Natural modes about the last state, contacts stuck, where they were asked for.
         damping: What joints damp of them at each amplitude, likewise.
         stability: Whether steady sliding about the last state lasts, where it was asked for.
+        further: Name → what an analysis found that is registered from outside.
         error_notes: Sentences that say which errors were not estimated, and why.
         timings: Where the time went.
         versions: Program or library → version.
@@ -60,8 +61,8 @@ class Outcome(Record):
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
         {
-            *("accuracy", "cycles", "damping", "derivatives", "fretting", "modes", "preloads"),
-            *("slip_limit", "stability", "uncertainty", "units"),
+            *("accuracy", "cycles", "damping", "derivatives", "fretting", "further", "modes"),
+            *("preloads", "slip_limit", "stability", "uncertainty", "units"),
         }
     )
 
@@ -88,6 +89,7 @@ class Outcome(Record):
     modes: list[ModeRecord] = field(default_factory=list)
     damping: list[DampingRecord] = field(default_factory=list)
     stability: StabilityRecord | None = None
+    further: Mapping[str, Any] = field(default_factory=dict)
     error_notes: list[str] = field(default_factory=list)
     timings: Seconds
     versions: Mapping[str, str]

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import cast
 
+from fenics_contact.analyses import registry
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import (
     FRICTION_FORCE,
-    MAX_WEAR_DEPTH,
     NORMAL_FORCE,
     SLIP_AREA,
     STICK_AREA,
-    WORN_VOLUME,
 )
 from fenics_contact.quantities.table import measured_by
-from fenics_contact.results.records.cycles import CycleRecord, CyclesRecord, WornCycleEnd
+from fenics_contact.results.records.cycles import CyclesRecord
 from fenics_contact.results.records.model import RigidMotion
 from fenics_contact.results.records.record import NO_UNITS, Errors, UnitsRecord
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.records.steps import BranchRecord
+from fenics_contact.results.records.steps import BranchRecord, StepRecord
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words
+from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.names import UnitNames
 
@@ -112,8 +113,9 @@ def cycle_words(cycles: CyclesRecord | None) -> str:
     if cycles is None:
         return ""
     last = cycles.each[-1]
-    if last.worn is not None:
-        return _worn_words(cycles.computed, last.number, last.worn)
+    own = registry.part_of_cycle(last, "words")
+    if own is not None:
+        return cast(AnalysisWords, own.WORDS).cycles(cycles)
     if not last.is_closed:
         still = "" if last.change is None else f"; tractions still change by {last.change:.2g}"
         if last.is_kept_changing:
@@ -122,16 +124,6 @@ def cycle_words(cycles: CyclesRecord | None) -> str:
         return f" The loop is not closed after {cycles.computed} {many}{still}."
     words = _KINDS[last.kind].format(loss=last.loss, advance=last.advance)
     return f" The loop closed in cycle {cycles.closed_in} of {cycles.number}, {words}."
-
-
-def _worn_words(computed: int, number: int, worn: WornCycleEnd) -> str:
-    """Return how many cycles that wear were computed, and the error of the others, in words."""
-    errors = worn.errors
-    return (
-        f" {number} cycles wear, of which {computed} were computed; passing over the others may be "
-        f"off by {errors[WORN_VOLUME]:.2g} in the worn volume, and by "
-        f"{errors[MAX_WEAR_DEPTH]:.2g} in the deepest wear."
-    )
 
 
 def cycle_rows(cycles: CyclesRecord | None, units: UnitsRecord | None = None) -> list[list[str]]:
@@ -143,8 +135,9 @@ def cycle_rows(cycles: CyclesRecord | None, units: UnitsRecord | None = None) ->
     """
     if cycles is None:
         return []
-    if cycles.each[0].worn is not None:
-        return _worn_rows(cycles.each, units)
+    own = registry.part_of_cycle(cycles.each[0], "words")
+    if own is not None:
+        return cast(AnalysisWords, own.WORDS).cycle_rows(cycles, units)
     several = list(cycles.each[0].contacts) if len(cycles.each[0].contacts) > 1 else []
     rows = [
         [
@@ -168,38 +161,6 @@ def cycle_rows(cycles: CyclesRecord | None, units: UnitsRecord | None = None) ->
     return rows
 
 
-def _worn_rows(each: list[CycleRecord], units: UnitsRecord | None) -> list[list[str]]:
-    """Return the table of cycles that wear, most of which are passed over."""
-    rows = [
-        [
-            "cycle",
-            "passed over before",
-            headed("loss", "energy", units),
-            "change of pressures",
-            headed("never slips", "area", units),
-            "depth over half width",
-            headed("± of worn volume", "volume", units),
-            headed("± of deepest wear", "length", units),
-        ]
-    ]
-    for one in each:
-        worn = one.worn
-        assert worn is not None
-        rows.append(
-            [
-                str(one.number),
-                str(worn.passed_over),
-                f"{one.loss:.5g}",
-                f"{worn.pressure_change:.2g}",
-                f"{sum(worn.stick_areas.values()):.4g}",
-                f"{worn.depth_over_width:.2g}",
-                f"{worn.errors[WORN_VOLUME]:.2g}",
-                f"{worn.errors[MAX_WEAR_DEPTH]:.2g}",
-            ]
-        )
-    return rows
-
-
 Rows = list[list[str]]
 
 
@@ -212,6 +173,40 @@ class AnalysisWords:
         Args:
             scene: One that asks for the analysis.
             units: Names of its units, if any.
+        """
+        return []
+
+    def cycle_plan(self, cycles: Cycles) -> str:
+        """How many of the cycles of loads it takes in its own way, for ``fenics-contact check``.
+
+        Args:
+            cycles: Of a scene that asks for the analysis.
+        """
+        return ""
+
+    def step_line(self, step: StepRecord, units: UnitNames | None) -> str:
+        """A line for the log on a load step that it took in its own way.
+
+        Args:
+            step: Its record.
+            units: Names of the scene's units, if any.
+        """
+        return ""
+
+    def cycles(self, cycles: CyclesRecord) -> str:
+        """A sentence, after a space, on cycles of loads that it took in its own way.
+
+        Args:
+            cycles: Of the result.
+        """
+        return ""
+
+    def cycle_rows(self, cycles: CyclesRecord, units: UnitsRecord | None) -> Rows:
+        """A table of cycles that it took in its own way, the head first.
+
+        Args:
+            cycles: Of the result.
+            units: Of their numbers, if any.
         """
         return []
 

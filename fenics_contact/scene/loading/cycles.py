@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from fenics_contact.analyses.wear_cycles.table import CycleJump
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
-from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.values import Integer, Number, Positive, Repetition, scene_class
 
 
@@ -74,8 +74,6 @@ class Cycles:
     def __post_init__(self) -> None:
         if self.begin >= self.end:
             raise ValueError(f"begin = {self.begin:g} must be less than end = {self.end:g}")
-        if self.jumps is None and self.number * (self.increments or 1) > 1_000_000:
-            raise ValueError("number × increments must be at most 1000000 load steps")
 
     @property
     def repetition(self) -> Repetition:

@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from fenics_contact.analyses import registry
 from fenics_contact.common.errors import InputError
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.steps import Steps
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 _SAME = 1e-12
 # Of factors and pseudo-times that are the same.
 _CLOSE = 1e-9
+_MOST = 1_000_000  # load steps
 # Places of a cycle at which functions are asked whether they move.
 _PROBED = 33
 
@@ -134,8 +136,9 @@ def load_steps_of(scene: Scene) -> Steps:
         return scene.motion.steps
     if cycles is None:
         return steps
-    if cycles.jumps is not None:
-        return Steps(times=cycles.repetition.ends)
+    own = registry.takes_steps_of(scene)
+    if own is not None:
+        return cast(Steps, own.part("table").load_steps(scene))
     last = cycles.repetition.ends[-1]
     if steps.automatic:
         size = steps.end / steps.number
@@ -236,6 +239,20 @@ def require_cycles(scene: Scene) -> None:
     if not scene.steps.automatic and len(_times_in_cycle(scene, cycles)) < 2:
         raise ValueError(
             "cycles: a cycle needs two load steps at least; say how many as increments"
+        )
+    if registry.takes_steps_of(scene) is None:
+        _require_each_can_be_taken(scene, cycles)
+
+
+def _require_each_can_be_taken(scene: Scene, cycles: Cycles) -> None:
+    """Refuse cycles that are computed one after the other, and are too many or never close."""
+    if cycles.number * (cycles.increments or 1) > _MOST:
+        raise ValueError(f"cycles: number × increments must be at most {_MOST} load steps")
+    worn = next((number for number, one in enumerate(scene.contact) if one.wear), None)
+    if worn is not None and cycles.until == "closed":  # closed loops still wear
+        raise ValueError(
+            f"cycles.until = 'closed': contact[{worn}] has a wear, which goes on when the loop is "
+            "closed; set until = 'end', or say how far cycles may be passed over: jumps = {}"
         )
 
 

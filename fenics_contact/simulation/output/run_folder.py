@@ -24,14 +24,13 @@ from fenics_contact.common.failures import attempt, failing_together
 from fenics_contact.common.parallel import on_root
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
-from fenics_contact.scene.scene import Scene, Steps
+from fenics_contact.scene.scene import Steps
 from fenics_contact.scene.writing import write_scene
 from fenics_contact.simulation.output.contact_rows import contact_rows
 from fenics_contact.simulation.output.fields import FieldSeries
 from fenics_contact.simulation.output.step_table import StepTable
 from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
 from fenics_contact.simulation.scene_run import Run
-from fenics_contact.simulation.worn.worn_files import WornFiles
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 
 
@@ -143,7 +142,7 @@ def solve_levels_and_write(
         return result
 
     with failing_together(comm):
-        on_root(comm, lambda: _clear(folder, f"{_of_the_end()}|{_OF_STEPS}"))
+        on_root(comm, lambda: _clear(folder, _of_a_run()))
         scene = _write_scene(first, folder)
         result = levels.solve(solve_level)
         notes: list[str] = []
@@ -156,7 +155,7 @@ def solve_levels_and_write(
 def _take_place(aside: Path, folder: Path) -> None:
     """Files of a level that is whole take the place of those of the one before."""
     with naming(folder):
-        _clear(folder, f"{_of_the_end()}|{_OF_STEPS}")
+        _clear(folder, _of_a_run())
         for path in sorted(aside.iterdir(), key=lambda path: path.name == "result.json"):
             path.replace(folder / path.name)
 
@@ -222,20 +221,17 @@ class StepFiles:
     def __init__(self, run: Run, folder: Path, resumed: float | None = None) -> None:
         self._run, self._comm = run, run.problem.comm
         self.notes: list[str] = []
-        names = _of_the_end() if resumed is not None else f"{_of_the_end()}|{_OF_STEPS}"
+        names = _of_the_end() if resumed is not None else _of_a_run()
         on_root(self._comm, lambda: _clear(folder, names))
         self._table = StepTable(folder / "steps.csv")
         self._fields = FieldSeries(run.problem, folder, resumed)
-        self._worn: WornFiles | None = None
-        if run.scene.passes_cycles_over:
-            self._worn = WornFiles(self._comm, folder, _last_cycle(run.scene, resumed))
+        run.analyses.begin_files(folder, resumed)
 
     def add(self) -> None:
         """A step was accepted."""
         with self._run.timings.phase("output"):
             self.catch_up()
-            if self._worn is not None and self._run.worn_cycle is not None:
-                self._worn.add(self._run.worn_cycle)
+            self._run.analyses.add_to_files()
             steps = self._run.steps
             cycles, last = self._run.scene.cycles, steps[-1]
             if cycles is not None and cycles.keep == "cycles":
@@ -267,18 +263,6 @@ class StepFiles:
         return bool(self._fields.last == self._run.steps[-1].load_factor)
 
 
-def _last_cycle(scene: Scene, time: float | None) -> int:
-    """Number of the cycle that ends at a pseudo-time; 0 before any.
-
-    Args:
-        scene: With cycles.
-        time: Of its load steps; None before any.
-    """
-    if time is None or scene.cycles is None:
-        return 0
-    return round((time - scene.cycles.begin) / scene.cycles.repetition.period)
-
-
 def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
     """Whether a step's fields are written, if at most so many are.
 
@@ -297,22 +281,25 @@ def is_kept(steps: Steps, time: float, before: float, most: int) -> bool:
 # Files of a run and of its report, and nothing else that may lie in the folder.
 _PICTURES = (
     r"(deformed|mesh|axis_stress|surface_displacement|convergence|accuracy|history_\w+"
-    r"|contact_\d+|contact_\d+_formula|stress_\d+|wear|wear_\d+)\.(png|pdf)"
-    r"|(animation_(body|\d+)|wear_\d+)\.gif"
+    r"|contact_\d+|contact_\d+_formula|stress_\d+)\.(png|pdf)|animation_(body|\d+)\.gif"
 )
 _LEVEL = "next_level"  # folder of a level that is not whole yet
-_OF_STEPS = (
-    r"steps\.csv|wear\.csv|wear_profiles\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
-)
+_OF_STEPS = r"steps\.csv|fields\.pvd|fields\d{6}\.p?vtu|fields_p\d+_\d{6}\.vtu"
 
 
 def _of_the_end() -> str:
     """Names of files that say how a run ended, which is not true any more when it goes on."""
     every = registry.every()
-    files = [r"result\.json|contact\.csv|(report|wear)\.html", _PICTURES]
+    files = [r"result\.json|contact\.csv|report\.html", _PICTURES]
     files += [analysis.files for analysis in every if analysis.files]
     pictures = "|".join(analysis.pictures for analysis in every if analysis.pictures)
     return "|".join([*files, rf"({pictures})\.(png|pdf|gif)"])
+
+
+def _of_a_run() -> str:
+    """Names of all files of a run and of its report."""
+    growing = [analysis.step_files for analysis in registry.every() if analysis.step_files]
+    return "|".join([_of_the_end(), _OF_STEPS, *growing])
 
 
 def _clear(folder: Path, names: str) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.analyses import registry
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.atomic_files import make_folder
@@ -69,7 +70,9 @@ class SavedRun:
     def is_done(self, scene: Scene) -> bool:
         """Whether nothing is left to do of a scene."""
         reached = self.time >= scene.load_steps.last * (1 - 1e-9)
-        return self.exit_code is not None and (reached or has_ended(scene, self.pace))
+        if registry.takes_steps_of(scene) is None:  # else none ends before the last
+            reached = reached or has_ended(scene, self.pace)
+        return self.exit_code is not None and reached
 
 
 class StateFile:

@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 
+from fenics_contact.analyses import registry
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.arrays import Flags
+from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.evaluate.rows_of_body import RowsOfBody
@@ -156,8 +158,12 @@ class KeptBody:
             found where somebody asks for it.
 
         Raises:
-            InputError: The scene cannot be used, or has no equilibrium.
+            InputError: The scene cannot be used, has no equilibrium, or asks for load steps to be
+                taken in another way.
         """
+        own = registry.takes_steps_of(scene)
+        if own is not None:
+            raise InputError(own.part("table").ONE_BY_ONE)
         problem = Problem(scene, self.discrete, timings, by_points=True)
         require_equilibrium(problem)
         system = CondensedSystem(problem, timings, self.in_statics(problem, timings))

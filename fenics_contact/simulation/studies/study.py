@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
-from fenics_contact.analyses.vibration.vibration import Vibration, vibration_of
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
 from fenics_contact.common.timings import Timings
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
-from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.scene_run import Run
@@ -27,12 +25,12 @@ from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body, text_of
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
 from fenics_contact.simulation.studies.solved_history import History, solved_history
-from fenics_contact.simulation.worn.wear_cycle import WearCycle, one_cycle
-from fenics_contact.simulation.worn.wear_cycles import WearCycles
-from fenics_contact.simulation.worn.worn_files import WornFiles
 
 if TYPE_CHECKING:
     from fenics_contact import Exploration, Objective
+    from fenics_contact.analyses.vibration.vibration import Vibration
+    from fenics_contact.analyses.wear_cycles.table import CycleJump
+    from fenics_contact.analyses.wear_cycles.wear_cycle import WearCycle
 
 # Other values of a scene's keys; a whole scene; or nothing.
 Changes = Mapping[str, Any] | Scene | None
@@ -354,6 +352,11 @@ class Study:
             NotConvergedError: A load step of a cycle.
             MachineError: A file could not be written.
         """
+        from fenics_contact.analyses.wear_cycles.table import CycleJump
+        from fenics_contact.analyses.wear_cycles.wear_cycle import one_cycle
+        from fenics_contact.analyses.wear_cycles.wear_cycles import WearCycles
+        from fenics_contact.analyses.wear_cycles.worn_files import WornFiles
+
         scene = self.changed(changes)
         with failing_together(self.comm):
             said = None if scene.cycles is None else scene.cycles.jumps
@@ -381,6 +384,8 @@ class Study:
             NotConvergedError: There is no state to vibrate about, or its modes were not found.
             MachineError: As of ``solve``.
         """
+        from fenics_contact.analyses.vibration.vibration import vibration_of
+
         scene = self.changed(changes)
         with failing_together(self.comm):
             return vibration_of(self._body_of(scene), scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fenics_contact.analyses import registry
 from fenics_contact.quantities.names import STRAIN_ENERGY
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene, SolverSettings
@@ -34,7 +35,7 @@ class Shortcut:
         """
         self._settings, self._since = None, 0
         if (
-            scene.passes_cycles_over
+            registry.takes_steps_of(scene) is not None
             or scene.solver.errors != "none"
             or result.model.solver != "condensed"
         ):

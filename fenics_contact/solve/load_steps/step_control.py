@@ -5,7 +5,6 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 
-from fenics_contact.common.errors import InputError
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.scene import Scene, Steps
 
@@ -180,15 +179,7 @@ def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | PaceOfCycles:
     Args:
         scene: Of the run.
         knots: Pseudo-times that no automatic step may pass over, increasing.
-
-    Raises:
-        InputError: Cycles are to be passed over.
     """
-    if scene.passes_cycles_over:
-        raise InputError(
-            "cycles.jumps: here each load step is computed; cycles are passed over by `run`, "
-            "`Study.solve` and `Study.worn`"
-        )
     steps = scene.load_steps
     pace: Pace = AutomaticPace(steps, knots) if steps.automatic else FixedPace(steps)
     return pace if scene.cycles is None else PaceOfCycles(pace, scene.cycles)
@@ -212,4 +203,4 @@ def _has_ended(cycles: Cycles, state: Sequence[float]) -> bool:
 
 
 def _ends_early(cycles: Cycles) -> bool:
-    return cycles.until == "closed" and cycles.jumps is None
+    return cycles.until == "closed"

@@ -12,14 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from fenics_contact.analyses.wear_cycles.table import CycleJump
+from fenics_contact.analyses.wear_cycles.wear_cycle import WearCycle
 from fenics_contact.analytic import fretting_limit
 from fenics_contact.common.arrays import Array
 from fenics_contact.scene.laws.wear import Wear
-from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.scene import Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.simulation.studies.study import Study
-from fenics_contact.simulation.worn.wear_cycle import WearCycle
 from fenics_contact.verification.case import Case, Finding, note_mesh
 from fenics_contact.verification.published.shear import HERTZ, shear_share, sheared_scene, shift
 

@@ -8,10 +8,17 @@ from pydantic import Field
 
 from fenics_contact.analyses import registry
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
+from fenics_contact.scene.steps import Steps
 from fenics_contact.scene.values import Integer, Number, scene_class
 
 if TYPE_CHECKING:
     from fenics_contact.scene.scene import Scene
+
+#: Why none of its load steps can be taken by those who take one after the other.
+ONE_BY_ONE = (
+    "cycles.jumps: here each load step is computed; cycles are passed over by `run`, "
+    "`Study.solve` and `Study.worn`"
+)
 
 
 @scene_class
@@ -46,34 +53,14 @@ class CycleJump:
     ] = None
 
 
-def require_wear(scene: Scene) -> None:
-    """Refuse cycles that end, or are passed over, in a way that does not go with wear.
+def require(scene: Scene) -> None:
+    """Refuse a scene whose cycles cannot be passed over.
 
     Raises:
         ValueError: In words.
     """
-    cycles = scene.cycles
-    worn = next((number for number, one in enumerate(scene.contact) if one.wear), None)
-    if cycles is None:
-        return
-    if cycles.jumps is not None:
-        _require_jumps(scene, worn)
-    elif worn is not None and cycles.until == "closed":  # closed loops still wear
-        raise ValueError(
-            f"cycles.until = 'closed': contact[{worn}] has a wear, which goes on when the loop is "
-            "closed; set until = 'end', or say how far cycles may be passed over: jumps = {}"
-        )
-
-
-def _require_jumps(scene: Scene, worn: int | None) -> None:
-    """Refuse a scene whose cycles cannot be passed over.
-
-    Args:
-        scene: Whose cycles have jumps.
-        worn: Number of a contact that wears, if there is one.
-    """
     assert scene.cycles is not None
-    if worn is None:
+    if not any(contact.wear for contact in scene.contact):
         raise ValueError(
             "cycles.jumps: no contact wears, so that nothing grows from cycle to cycle; leave it "
             "out: cycles that repeat are not computed again"
@@ -87,7 +74,7 @@ def _require_jumps(scene: Scene, worn: int | None) -> None:
         )
     others = {
         "accuracy": scene.accuracy is not None,
-        **dict.fromkeys(registry.tables_not_with(scene, "jumps"), True),
+        **dict.fromkeys(registry.tables_not_with(scene, "own steps"), True),
         "solver.branches": scene.solver.branches,
         f"solver.solver = '{scene.solver.solver}'": scene.solver.solver in ("full", "iterative"),
     }
@@ -96,3 +83,9 @@ def _require_jumps(scene: Scene, worn: int | None) -> None:
             raise ValueError(
                 f"{key}: cycles are passed over on one condensed body, without this; leave it out"
             )
+
+
+def load_steps(scene: Scene) -> Steps:
+    """Load steps of a run, of which each is the end of a cycle."""
+    assert scene.cycles is not None
+    return Steps(times=scene.cycles.repetition.ends)

@@ -10,6 +10,7 @@ from typing import Any
 
 from mpi4py import MPI
 
+from fenics_contact.analyses.wear_cycles.wear_cycle import WearCycle
 from fenics_contact.common.atomic_files import append, make_folder, replace_file
 from fenics_contact.common.parallel import on_root
 from fenics_contact.quantities.names import (
@@ -21,7 +22,6 @@ from fenics_contact.quantities.names import (
     STICK_AREA,
     WORN_VOLUME,
 )
-from fenics_contact.simulation.worn.wear_cycle import WearCycle
 
 #: A row a cycle that was computed.
 HISTORY = "wear.csv"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fenics_contact.analyses.wear_cycles.worn_history import WornHistory
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.quantities.names import (
     CONTACT_AREA,
@@ -28,7 +29,6 @@ from fenics_contact.report.drawing.style import (
     neighbourhood,
 )
 from fenics_contact.report.drawing.units import labelled
-from fenics_contact.report.wear.files import WornHistory
 from fenics_contact.results.contact_points import ContactTable
 
 if TYPE_CHECKING:

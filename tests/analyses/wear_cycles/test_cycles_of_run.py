@@ -26,7 +26,7 @@ from fenics_contact.results.words.tables import cycle_rows
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.simulation.restart.state_file import StateFile
-from tests.contact.wear.test_wear_cycles import fretting
+from tests.analyses.wear_cycles.test_wear_cycles import fretting
 from tests.scenes import ROOT, box_body
 
 COMM = MPI.COMM_WORLD

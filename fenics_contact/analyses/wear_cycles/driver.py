@@ -1,20 +1,29 @@
-"""The cycles of a run that wear, in place of its load steps one by one; and going on with them."""
+"""The cycles of a run that wear, in place of its load steps one by one, and their results."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from fenics_contact.analyses.wear_cycles.rates import Progress, Rates
+from fenics_contact.analyses.wear_cycles.record import WornCycleEnd
+from fenics_contact.analyses.wear_cycles.wear_cycle import WearCycle, one_cycle
+from fenics_contact.analyses.wear_cycles.wear_cycles import WearCycles, with_depths
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.timings import Timings
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import EXTERNAL_WORK
+from fenics_contact.results.records.cycles import CycleEnd
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.restart.state_file import SavedRun
-from fenics_contact.simulation.worn.cycle_history import CycleHistory
-from fenics_contact.simulation.worn.rates import Progress, Rates
-from fenics_contact.simulation.worn.wear_cycles import WearCycles, with_depths
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, AuxiliaryState
+from fenics_contact.simulation.step_driver import StateKeeper, StepDriver
+from fenics_contact.simulation.step_history import StepHistory
+from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, AuxiliaryState, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
@@ -27,25 +36,93 @@ _NOT_ESTIMATED = (
 _NUMBERS = ("size", "passed_over", "pressure_change", "errors")
 
 
-class CyclesOfRun:
+class CycleHistory(StepHistory[BulkForces]):
+    """The cycles that were computed; friction work is that of all, what else works is not known.
+
+    Attributes:
+        cycle: The last one; None before there is one.
+    """
+
+    cycle: WearCycle | None = None
+
+    def add_cycle(self, time: float, solution: Solution, cycle: WearCycle) -> None:
+        """Keep what came out of a cycle, in whose end all is; collective.
+
+        Args:
+            time: Pseudo-time of its end.
+            solution: Of its last load step, with what is worn then.
+            cycle: The cycle.
+        """
+        self.cycle = cycle
+        names = [contact.label for contact in self._problem.contacts]
+        end = CycleEnd(
+            number=cycle.number,
+            change=None,
+            advance=None,
+            kind="",
+            is_kept_changing=True,
+            worn=WornCycleEnd(
+                passed_over=cycle.passed_over,
+                pressure_change=cycle.pressure_change,
+                depth_over_width=cycle.depth_over_width,
+                stick_areas=dict(zip(names, cycle.stick_areas, strict=True)),
+                losses=dict(zip(names, cycle.losses, strict=True)),
+                errors=dict(cycle.errors),
+            ),
+        )
+        self.add(time, dataclasses.replace(solution, cycle=end))
+
+    def resume(self, solution: Solution, energy: Sequence[float]) -> None:
+        """Take over the last cycle of an earlier run; collective.
+
+        Args:
+            solution: Of its last load step, with what is worn then.
+            energy: Sums of its energy balance, of no use here.
+        """
+        self._measure(solution)
+
+    def _of_contact(self, solution: Solution, number: int) -> dict[str, Any]:
+        if self.cycle is None:  # resumed, and not computed anew
+            return dict(self.steps[-1].contacts[number].quantities)
+        return dict(self.cycle.contacts[number])
+
+    def _work_along(self, quantities: dict[str, Any]) -> dict[str, Any]:
+        return {EXTERNAL_WORK: None}
+
+    def _end_cycle(self, quantities: dict[str, Any]) -> None:
+        """Compare nothing: the cycle before was not computed."""
+
+
+class CyclesOfRun(StepDriver):
     """Takes the load steps of a run through its cycles; collective.
 
     Args:
         scene: Whose cycles have jumps.
-        history: To which those that are computed are added.
-        counted: Called when one has been added.
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        history: CycleHistory,
-        counted: Callable[[], None],
-    ) -> None:
+    takes_all = False
+
+    def __init__(self, scene: Scene) -> None:
         assert scene.cycles is not None and scene.cycles.jumps is not None
         self._cycles, self._jumps = scene.cycles, scene.cycles.jumps
-        self._history, self._counted = history, counted
+        self._history: CycleHistory | None = None
         self._progress: Progress | None = None
+
+    @property
+    def last(self) -> WearCycle | None:
+        """The last cycle that was computed; None before there is one."""
+        return None if self._history is None else self._history.cycle
+
+    def modelled(self, scene: Scene) -> Scene:
+        """The scene that ends with the first of its cycles."""
+        return one_cycle(scene, None, None)[0]
+
+    def history(
+        self, problem: Problem, timings: Timings, forces_of: Callable[[Solution], Any]
+    ) -> CycleHistory:
+        """What keeps the results of cycles; arguments are those of ``StepHistory``."""
+        self._history = CycleHistory(problem, timings, forces_of)
+        return self._history
 
     def resume(self, load_steps: LoadSteps, saved: SavedRun) -> Solution:
         """Take up the cycles of another run; collective.
@@ -57,23 +134,33 @@ class CyclesOfRun:
         Returns:
             The end of the last cycle that was computed.
         """
-        solution = load_steps.resume(saved.last, saved.pace, saved.forces, saved.auxiliary)
+        solution = super().resume(load_steps, saved)
         assert load_steps.last is not None
         self._progress = _progress(solution, load_steps.last, saved.auxiliary)
         return with_depths(load_steps.problem.contacts, self._progress.rates)
 
-    def drive(self, load_steps: LoadSteps, keep: Callable[[AuxiliaryState], None]) -> None:
+    def drive(
+        self,
+        load_steps: LoadSteps,
+        recorder: StepListener,
+        keeper: StateKeeper,
+        counted: Callable[[], None],
+    ) -> None:
         """Compute cycles, and pass over others, to the last one; collective.
+
+        Their state is kept at the end of each that is computed: no other run can go on from within.
 
         Args:
             load_steps: Of the run.
-            keep: Called when a cycle has been added, with what another run needs besides its last
-                load step to go on from there; not within a cycle, of which none can go on.
+            recorder: Adds single load steps, of no use here.
+            keeper: Keeps the state.
+            counted: Called when a cycle has been added to the history.
 
         Raises:
             NotConvergedError: A load step of a cycle.
             StoppedError: The run is to end.
         """
+        assert self._history is not None
         repetition, contacts = self._cycles.repetition, load_steps.problem.contacts
         worn = WearCycles(load_steps, repetition.begin, self._jumps, self._progress)
         for cycle in worn.run(repetition.number):
@@ -81,8 +168,8 @@ class CyclesOfRun:
             solution = with_depths(contacts, worn.progress.rates)
             end = repetition.begin + cycle.number * repetition.period
             self._history.add_cycle(end, solution, cycle)
-            self._counted()
-            keep(_auxiliary(worn.progress))
+            counted()
+            keeper.keep(_auxiliary(worn.progress))
 
     def budget(self, load_steps: LoadSteps, steps: Sequence[StepRecord]) -> ErrorBudget:
         """Estimated errors of the last cycle: none, and why, where the scene asks for some.

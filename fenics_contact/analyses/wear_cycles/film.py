@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fenics_contact.analyses.wear_cycles.pictures import KINDS, kinds_of, name_axis, view_of
+from fenics_contact.analyses.wear_cycles.worn_history import WornHistory
 from fenics_contact.common.arrays import Array
 from fenics_contact.report.contacts.film import frame_numbers, write_gif
 from fenics_contact.report.contacts.line import positions
@@ -15,8 +17,6 @@ from fenics_contact.report.drawing.figures import new_figure, set_title
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.style import COLOURS, LINES, WIDE
 from fenics_contact.report.drawing.units import labelled
-from fenics_contact.report.wear.files import WornHistory
-from fenics_contact.report.wear.pictures import KINDS, kinds_of, name_axis, view_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -21,7 +21,7 @@ from fenics_contact.quantities.names import (
 )
 from fenics_contact.results.contact_points import ContactTable
 
-HISTORY, PROFILES, PAGE = "wear.csv", "wear_profiles.csv", "wear.html"
+HISTORY, PROFILES = "wear.csv", "wear_profiles.csv"
 _COLUMNS = (
     *("cycle", "passed_over", WORN_VOLUME, "worn_volume_error"),
     *(MAX_WEAR_DEPTH, "max_wear_depth_error", "depth_over_width", FRICTION_WORK),

@@ -8,14 +8,14 @@ from mpi4py import MPI
 from PIL import Image
 
 from fenics_contact import main
+from fenics_contact.analyses.wear_cycles.page import write_wear_page
+from fenics_contact.analyses.wear_cycles.pictures import kinds_of
+from fenics_contact.analyses.wear_cycles.wear_cycle import WearCycle
+from fenics_contact.analyses.wear_cycles.worn_files import WornFiles
+from fenics_contact.analyses.wear_cycles.worn_history import read_worn
 from fenics_contact.common.errors import InputError
-from fenics_contact.report.wear.files import read_worn
-from fenics_contact.report.wear.page import write_wear_page
-from fenics_contact.report.wear.pictures import kinds_of
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.simulation.output import run_folder
-from fenics_contact.simulation.worn.wear_cycle import WearCycle
-from fenics_contact.simulation.worn.worn_files import WornFiles
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
 
@@ -180,5 +180,5 @@ def test_no_file_of_an_earlier_report_outlives_its_run(tmp_path):
     names = ("wear.html", "wear.png", "wear_0.png", "wear_0.gif", "animation_0.gif", "own.gif")
     for name in names:
         (tmp_path / name).touch()
-    run_folder._clear(tmp_path, run_folder._OF_THE_END)
+    run_folder._clear(tmp_path, run_folder._of_the_end())
     assert [path.name for path in tmp_path.iterdir()] == ["own.gif"]

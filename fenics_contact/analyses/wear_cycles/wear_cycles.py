@@ -15,6 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fenics_contact.analyses.wear_cycles.rates import Progress, Rates, Sticking
+from fenics_contact.analyses.wear_cycles.table import CycleJump
+from fenics_contact.analyses.wear_cycles.wear_cycle import SETTLING, WearCycle
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.parallel import largest
@@ -23,11 +26,7 @@ from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.quantities.names import FRICTION_WORK, MAX_WEAR_DEPTH, WORN_VOLUME
-from fenics_contact.scene.loading.jumps import CycleJump
 from fenics_contact.scene.steps import Steps
-from fenics_contact.simulation.worn.rates import Progress, Rates
-from fenics_contact.simulation.worn.sticking import Sticking
-from fenics_contact.simulation.worn.wear_cycle import SETTLING, WearCycle
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton.solution import Solution

@@ -7,6 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from fenics_contact.analyses.wear_cycles.film import FEWEST_CYCLES, draw_wear_film
+from fenics_contact.analyses.wear_cycles.pictures import draw_wear
+from fenics_contact.analyses.wear_cycles.worn_history import (
+    HISTORY,
+    PROFILES,
+    WornHistory,
+    read_worn,
+)
 from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.quantities.names import (
     FRICTION_WORK,
@@ -18,11 +26,9 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.drawing.units import in_units, with_unit
 from fenics_contact.report.gallery import require
+from fenics_contact.report.page.analysis_page import AnalysisPage
 from fenics_contact.report.page.page import style_sheet
 from fenics_contact.report.page.templates import render, table
-from fenics_contact.report.wear.files import HISTORY, PAGE, PROFILES, WornHistory, read_worn
-from fenics_contact.report.wear.film import FEWEST_CYCLES, draw_wear_film
-from fenics_contact.report.wear.pictures import draw_wear
 from fenics_contact.results.result_file import read_result
 from fenics_contact.results.words.rounding import rounded
 
@@ -65,7 +71,7 @@ def write_wear_page(folder: Path) -> Path:
             profiles=PROFILES,
             has_units=units is not None,
         )
-    path = folder / PAGE
+    path = folder / "wear.html"
     replace_file(path, page.encode())
     return path
 
@@ -141,3 +147,11 @@ def _row(history: WornHistory, place: int) -> list[str]:
             )
         ),
     ]
+
+
+class _WearPage(AnalysisPage):
+    def write_own(self, folder: Path) -> Path:
+        return write_wear_page(folder)
+
+
+PAGE = _WearPage()

@@ -1,1 +1,0 @@
-"""The page of many cycles that wear, and its pictures."""
