@@ -1,0 +1,22 @@
+"""An analysis that is not the program's, all in one folder: which area carries a high pressure."""
+
+from fenics_contact.analyses import registry
+from fenics_contact.analyses.analysis import Analysis
+from fenics_contact.scene.keys import extension
+from fenics_contact.scene.scene import Scene
+from tests.analyses.pressed_area.table import PRESSED_AREA
+
+KEY = "pressed_area"
+ANALYSIS = Analysis(package=__name__, tables=(KEY,), records=(KEY,), files=r"pressed_area\.csv")
+
+
+def register() -> None:
+    """Make it known."""
+    extension.add_key(Scene, KEY, PRESSED_AREA)
+    registry.register(__name__)
+
+
+def unregister() -> None:
+    """Make it unknown again."""
+    registry.unregister(__name__)
+    extension.remove_key(Scene, KEY)
