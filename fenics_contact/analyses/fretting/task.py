@@ -10,7 +10,7 @@ from fenics_contact.analyses.fretting.history import StressHistory
 from fenics_contact.analyses.fretting.words import fretting_words
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Result
-from fenics_contact.simulation.analysis_task import AnalysisFinding, AnalysisTask
+from fenics_contact.simulation.analysis_tasks import AnalysisFinding, AnalysisTask
 from fenics_contact.solve.newton.solution import Solution
 
 

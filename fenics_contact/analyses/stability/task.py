@@ -11,7 +11,7 @@ from fenics_contact.analyses.stability.stability import SlidingStability, stabil
 from fenics_contact.analyses.stability.words import stability_words
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Result
-from fenics_contact.simulation.analysis_task import AnalysisTask
+from fenics_contact.simulation.analysis_tasks import AnalysisTask
 from fenics_contact.simulation.studies.kept_body import KeptBody
 
 

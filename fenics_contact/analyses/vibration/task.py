@@ -14,7 +14,7 @@ from fenics_contact.common.failures import attempt
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.analysis_task import AnalysisTask
+from fenics_contact.simulation.analysis_tasks import AnalysisTask
 from fenics_contact.simulation.studies.kept_body import KeptBody
 
 

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from fenics_contact.analyses.wear_cycles.driver import CyclesOfRun
 from fenics_contact.analyses.wear_cycles.worn_files import WornFiles
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.analysis_task import AnalysisTask
+from fenics_contact.simulation.analysis_tasks import AnalysisTask
 
 
 class WearCyclesTask(AnalysisTask):

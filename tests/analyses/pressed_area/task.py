@@ -1,6 +1,6 @@
 """The area in a run: it is measured at each load step."""
 
-from fenics_contact.simulation.analysis_task import AnalysisFinding, AnalysisTask
+from fenics_contact.simulation.analysis_tasks import AnalysisFinding, AnalysisTask
 
 
 class PressedAreaTask(AnalysisTask):

@@ -197,7 +197,7 @@ def test_a_run_that_stops_at_once_after_resuming_has_its_last_step(folder):
     saved = StateFile(folder, run.problem).load()
     found = run.solve(saved=saved, stopped=lambda: True)
     assert found.exit_code == 130 and len(found.steps) == 4
-    require_same(found, stopped._evaluate())
+    require_same(found, stopped._result.evaluate())
 
 
 def test_more_steps_and_another_solver_may_follow(folder):
