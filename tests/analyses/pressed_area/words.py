@@ -1,7 +1,6 @@
 """The area on the terminal."""
 
-from fenics_contact.results.words.analysis_words import AnalysisWords
-from fenics_contact.results.words.tables import headed
+from fenics_contact.results.words.tables import AnalysisWords, headed
 
 
 def area_rows(result):
