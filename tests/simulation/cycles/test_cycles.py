@@ -339,6 +339,10 @@ def test_friction_that_goes_on_weakening_closes_no_loop():
         ),
         ({"cycles": Cycles(begin=1, end=5)}, "needs two load steps at least"),
         (
+            {"cycles": Cycles(begin=1, end=5, number=100_000, increments=11)},
+            "cycles: number × increments must be at most 1000000 load steps",
+        ),
+        (
             {"preload": (Preload("body", (1, 0), 1, locked_from=3),), "steps": Steps(3, 3)},
             r"locked_from = 3 must be at begin, 1, or before",
         ),
