@@ -1,4 +1,4 @@
-"""What a scene asks of an answer, or of its load steps, by tables of its own: a folder for each.
+"""Analyses that a scene asks of an answer, or of its load steps, by a table each: a folder each.
 
 A folder says by ``ANALYSIS`` in its ``__init__`` what it is (``analysis.py``), and has these parts,
 of which each may be missing:

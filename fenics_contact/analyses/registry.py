@@ -1,4 +1,4 @@
-"""Which analyses there are, and which of them a scene or a result has.
+"""The list of analyses, and those of them that a scene asks for or a result has.
 
 The list has names of modules, which are imported when somebody asks: a list of the analyses
 themselves would import all that they need.
@@ -44,7 +44,7 @@ def every() -> list[Analysis]:
 
 
 def asked_by(scene: Any) -> list[Analysis]:
-    """Those that a scene asks for."""
+    """Return the analyses that a scene asks for."""
     return [analysis for analysis in every() if analysis.is_asked(scene)]
 
 

@@ -1,4 +1,4 @@
-"""What analyses do in a run: along its load steps, with its answer, and after it."""
+"""Tasks of analyses in a run: along its load steps, with its answer, and after it."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class AnalysisTask:
         """
 
     def driver(self) -> StepDriver | None:
-        """What takes the load steps of a run in its own way; None where each is taken once."""
+        """Return its own way to take load steps; None where a run takes one after the other."""
         return None
 
     def begin(self, problem: Problem) -> None:

@@ -171,7 +171,7 @@ class ResultOfRun:
         )
 
     def unconverged(self, error: NotConvergedError, tried: float, spent: int) -> Result:
-        """What there is up to a load step that did not converge, with its history; collective.
+        """Return the result up to a load step that did not converge, with its history; collective.
 
         Args:
             error: Why it did not.
@@ -195,6 +195,6 @@ class ResultOfRun:
         return self._stopped_short(words, [*self.history.steps, step])
 
     def interrupted(self) -> Result:
-        """What there is of load steps that somebody asked to stop; collective."""
+        """Return the result of load steps that somebody asked to stop; collective."""
         words = "Interrupted" + ("." if self.solution else " before any load step was done.")
         return dataclasses.replace(self._stopped_short(words, self.history.steps), interrupted=True)

@@ -91,7 +91,7 @@ class StepDriver:
     def history(
         self, problem: Problem, timings: Timings, forces_of: Callable[[Solution], Any]
     ) -> StepHistory[Any]:
-        """What keeps the results of the load steps; arguments are those of ``StepHistory``."""
+        """Make the history of the load steps; its arguments are those of ``StepHistory``."""
         return StepHistory(problem, timings, forces_of)
 
     def resume(self, load_steps: LoadSteps, saved: SavedRun) -> Solution:

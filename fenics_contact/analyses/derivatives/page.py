@@ -30,7 +30,7 @@ class _DerivativePage(AnalysisPage):
 
 
 def sensitivity_charts(result: Outcome) -> Iterator[tuple[str, Markup]]:
-    """Of each quantity, bars of its normalised derivatives, the largest first.
+    """Return a table of bars of the normalised derivatives of each quantity, the largest first.
 
     Args:
         result: With derivatives.

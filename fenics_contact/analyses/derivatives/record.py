@@ -1,4 +1,4 @@
-"""What ``result.json`` tells of what an answer depends on, and of how sure that makes it."""
+"""Derivatives of quantities and their uncertainties by tolerances, in ``result.json``."""
 
 from __future__ import annotations
 

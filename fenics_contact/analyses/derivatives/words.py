@@ -27,7 +27,7 @@ def derivative_rows(result: Outcome) -> list[list[str]]:
 
 
 def notes_on_derivatives(result: Outcome) -> list[str]:
-    """What is to be known of the derivatives, in sentences.
+    """Return remarks on the derivatives, in sentences.
 
     Args:
         result: The result.

@@ -34,7 +34,7 @@ _ALL_HALVES = 1 / (np.sqrt(2) - 1)
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """By one recovery of the stress.
+    """Criteria at the places, by one recovery of the stress.
 
     Attributes:
         columns: Name → values at the places.
@@ -123,7 +123,7 @@ def _evaluated(
 
 
 def _apart(values: Array, others: Array) -> Array:
-    """By how much two recoveries differ; not a number where a life is endless by one of them."""
+    """Return the difference of two recoveries; not a number where a life is endless by one."""
     known = np.isfinite(values) & np.isfinite(others)
     apart = np.full(len(values), np.nan)
     apart[known] = np.abs(values[known] - others[known])
@@ -206,7 +206,7 @@ def _criteria(fretting: Fretting, weights: csr_matrix, samples: Array, moduli: A
 
 
 def _line(fretting: Fretting) -> StrainLife | None:
-    """That of lives, where the scene has its constants."""
+    """Return the strain-life line, where the scene has its constants."""
     asked = fretting.life
     if asked is None:
         return None
@@ -215,7 +215,7 @@ def _line(fretting: Fretting) -> StrainLife | None:
 
 
 def _alphas(fretting: Fretting) -> tuple[float | None, float | None]:
-    """Of Crossland and of Dang Van, by the fatigue limits."""
+    """Return the constants α of Crossland and of Dang Van, by the fatigue limits."""
     limits = fretting.limits
     if limits is None:
         return None, None
@@ -268,7 +268,7 @@ def _beside(place: int, around: csr_matrix, contact: list[str]) -> Integers:
 def _of_swt(
     places: FrettingPlaces, modulus: float, place: int, bar: float, line: StrainLife | None
 ) -> dict[str, Any]:
-    """What there is of the critical plane's criterion alone."""
+    """Return the numbers that only the criterion of the critical plane has."""
     normal = places.planes[place]
     # Of a normal and its opposite the one whose largest component is > 0.
     normal = normal * np.sign(normal[np.abs(normal).argmax()])

@@ -84,7 +84,7 @@ class StressHistory:
 
     @property
     def samples(self) -> Array | None:
-        """Of the last cycle, (states, samples, 12) as of ``StressRegion``; on rank 0."""
+        """The states of the last cycle, (states, samples, 12) as of ``StressRegion``; on rank 0."""
         found = self._last
         if found is None or found.samples[0] is None:
             return None
@@ -107,6 +107,6 @@ class StressHistory:
         return [np.zeros(len(c.trace.weights), dtype=bool) for c in self._problem.contacts]
 
     def _at_rest(self) -> Array | None:
-        """Of the body without any load."""
+        """Return the state of the body without any load."""
         cells = self.region.cells
         return None if cells is None else np.zeros((cells.samples[..., 0].size, 12))

@@ -73,7 +73,7 @@ def _draw_flat(
     axes: str,
     path: Path,
 ) -> Picture:
-    """Of each criterion a curve along the surface, and a map of what is below it."""
+    """Draw each criterion as a curve along the surface, and as a map below it."""
     line = SurfaceLine.of(body, rows, contact)
     drawn = [one for one in CRITERIA if one[0] in table.values]
     place_of_node = _matched(np.asarray(body.points), table.points)
@@ -160,7 +160,7 @@ def _draw_in_space(
     axes: str,
     path: Path,
 ) -> Picture:
-    """Of each criterion a map of the surface."""
+    """Draw each criterion as a map of the surface."""
     surface = Surface.of(body, rows, contact)
     drawn = [one for one in CRITERIA if one[0] in table.values]
     places = _matched(surface.rows.vectors("x", "y", "z"), table.points)
@@ -199,7 +199,7 @@ def _matched(points: Array, places: Array) -> Integers:
 
 
 def _triangles(body: UnstructuredGrid) -> Integers:
-    """Of all nodes of a flat grid, (triangles, 3)."""
+    """Return the triangles between all nodes of a flat grid, (triangles, 3)."""
     cell, cells = cells_of(body)
     corners = cells[:, list(cell.whole)][:, TRIANGLES[len(cell.whole)]]
     return np.asarray(corners.reshape(-1, 3))

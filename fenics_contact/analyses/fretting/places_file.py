@@ -28,7 +28,7 @@ class FrettingTable:
 
     @classmethod
     def read(cls, path: Path) -> FrettingTable | None:
-        """That of a run; None where it looked for no fretting.
+        """Return the places of a run; None where it looked for no fretting.
 
         Args:
             path: The file.
@@ -55,5 +55,5 @@ class FrettingTable:
             raise InputError(f"{path}: damaged: {error}; make the run again") from None
 
     def on(self, contact: str) -> Flags:
-        """Which places lie on the surface of a contact, (places,)."""
+        """Return whether each place lies on the surface of a contact, (places,)."""
         return np.array([name == contact for name in self.contact], dtype=bool)

@@ -45,7 +45,7 @@ class WorstPlace(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FrettingRecord(Record):
-    """What the history of stress near contacts does, by criteria of fatigue.
+    """Criteria of fatigue by the history of stress near contacts.
 
     Attributes:
         steps: How many states of the body make the cycle, its begin with them.

@@ -50,7 +50,7 @@ class Recovery:
         self._axes = np.flatnonzero(spread > 0)
 
     def weights(self, chosen: Integers) -> tuple[csr_matrix, csr_matrix]:
-        """Of all samples at some of the places, (chosen, cells · samples), the better ones first.
+        """Return weights of samples at places, (chosen, cells · samples), the better ones first.
 
         Args:
             chosen: Numbers of the places.
@@ -61,7 +61,7 @@ class Recovery:
         return _sparse(better, shape), _sparse(plainer, shape)
 
     def neighbours(self, chosen: Integers) -> csr_matrix:
-        """Which of some places share a cell, each with itself, (chosen, chosen).
+        """Return whether two of some places share a cell, each with itself, (chosen, chosen).
 
         Args:
             chosen: Numbers of the places.

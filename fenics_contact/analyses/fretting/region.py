@@ -40,7 +40,7 @@ class Cells:
 
 
 class StressRegion:
-    """What surrounds the contacts of a model; collective, as all it has.
+    """The region around the contacts of a model; collective, as all it has.
 
     Samples of stress lie where finite elements of its degree have it most accurate: in the middle
     of cells of degree 1, at the points of Gauss' rule for linear stresses in those of degree 2.

@@ -79,7 +79,7 @@ def fretting_rows(
 
 
 def _bar(errors: ErrorRow) -> str:
-    """That of the mesh alone."""
+    """Return the error bar of the mesh alone."""
     found = errors.get("mesh")
     return UNKNOWN if found is None else bar_in_words(found)
 

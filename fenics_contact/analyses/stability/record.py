@@ -28,7 +28,7 @@ class ComplexModeRecord(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModesAtCoefficient(Record):
-    """The same at a friction coefficient.
+    """Stability of steady sliding at a friction coefficient.
 
     Attributes:
         friction_coefficient: The largest of all contacts.

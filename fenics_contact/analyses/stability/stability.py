@@ -31,7 +31,7 @@ _SEARCH = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SlidingStability:
-    """What there is to say of steady sliding.
+    """Results on the stability of steady sliding.
 
     Attributes:
         record: As ``result.json`` has it.
@@ -137,7 +137,7 @@ def _curve(
 
 
 def _modes(kept: KeptBody, scene: Scene, asked: Stability) -> list[ComplexMode]:
-    """Of a scene's last state; collective."""
+    """Return the stability of a scene's last state; collective."""
     timings, rayleigh = Timings(), asked.rayleigh or Rayleigh()
     with kept.stepping(scene, timings) as (load_steps, system):
         load_steps.solve()

@@ -43,7 +43,7 @@ def stability_rows(result: Outcome) -> list[list[str]]:
 
 
 def stability_words(found: StabilityRecord, units: UnitsRecord | None) -> str:
-    """What came out, in one or two sentences.
+    """Return the result in one or two sentences.
 
     Args:
         found: Of a result.

@@ -1,4 +1,4 @@
-"""What joints damp over amplitude, and how they soften."""
+"""Pictures of the damping of joints over amplitude, and of their softening."""
 
 from __future__ import annotations
 

@@ -135,7 +135,7 @@ class DrivenMode(StepListener):
         return True
 
     def _record(self, driven: float, last: Solution) -> DampingRecord:
-        """Of the last cycle."""
+        """Return the record of the last cycle."""
         count, mass = self._asked.increments, self._mode.mass
         shares, moved = np.array(self._loop[-count - 1 :]).T
         force = self._force * mass * shares
@@ -159,7 +159,7 @@ class DrivenMode(StepListener):
         )
 
     def _kind(self, last: Solution) -> str:
-        """What became of the loop; empty where it did not close."""
+        """Return the kind of the loop; empty where it did not close."""
         found = "" if last.cycle is None else last.cycle.kind
         return found or ("steady loop" if self._has_settled() else "")
 

@@ -78,7 +78,7 @@ def _key(row: DampingRecord) -> Hashable:
 
 
 def _values(found: Vibration) -> Values:
-    """What errors are estimated of."""
+    """Return the values whose errors are estimated, by mode or amplitude."""
     modes: Values = {mode.number: _of_mode(mode) for mode in found.modes}
     return modes | {_key(row): _of_damping(row) for row in found.damping}
 
@@ -86,7 +86,7 @@ def _values(found: Vibration) -> Values:
 def _rows(
     values: Mapping[str, float], errors: Mapping[str, Values | None], key: Hashable
 ) -> dict[str, ErrorRow]:
-    """By quantity and source, and their sum; None where a source was not estimated."""
+    """Return errors by quantity and source, and their sum; None where a source has no estimate."""
     rows: dict[str, ErrorRow] = {}
     for name in values:
         row = {
@@ -99,7 +99,7 @@ def _rows(
 
 
 def _none(found: Vibration) -> Values:
-    """Of a source that is not there."""
+    """Return errors of 0, those of a source that is not there."""
     return {key: dict.fromkeys(values, 0.0) for key, values in _values(found).items()}
 
 
@@ -130,7 +130,7 @@ def _by_parameter(
 
 
 def _by_tolerance(found: Vibration, scene: Scene) -> Values:
-    """What a loop that is closed may still change by; that of one that is not is not known."""
+    """Return the change that a closed loop may still have; unknown of one that is not closed."""
     share = 0.0 if scene.damping is None else float(scene.damping.tolerance)
     modes: Values = {mode.number: dict.fromkeys(_of_mode(mode), 0.0) for mode in found.modes}
     return modes | {

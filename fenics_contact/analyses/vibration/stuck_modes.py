@@ -46,7 +46,7 @@ def stuck_modes(system: CondensedSystem, body: CondensedBody, number: int) -> li
 
 
 def mode_records(modes: Sequence[Mode]) -> list[ModeRecord]:
-    """For ``result.json``.
+    """Return the modes as ``result.json`` has them.
 
     Args:
         modes: In their order.

@@ -69,7 +69,7 @@ def vibration_of(kept: KeptBody, scene: Scene) -> Vibration:
 
 
 def damping_scenes(scene: Scene) -> list[tuple[dict[str, float], Scene]]:
-    """What a scene is with each combination of the values that damping is asked for ``by``.
+    """Return the scene with each combination of the values that damping is asked for ``by``.
 
     Args:
         scene: The scene.
@@ -101,7 +101,7 @@ def damping_scenes(scene: Scene) -> list[tuple[dict[str, float], Scene]]:
 
 
 def _vibration(kept: KeptBody, scene: Scene) -> Vibration:
-    """Of a scene with one set of values; collective."""
+    """Return the vibration of a scene with one set of values; collective."""
     assert scene.modes is not None
     timings = Timings()
     with kept.stepping(scene, timings) as (load_steps, system):

@@ -12,7 +12,7 @@ from fenics_contact.scene.units.names import UnitNames
 
 
 def _bar(errors: Errors, name: str) -> str:
-    """Of a quantity, ``?`` where it was not estimated."""
+    """Return the error bar of a quantity, ``?`` where it was not estimated."""
     return bar_in_words(errors.get(name, {}).get("total"))
 
 
@@ -95,7 +95,7 @@ class _VibrationWords(AnalysisWords):
 
 
 def _damping_plan(driven: Damping, units: UnitNames | None) -> str:
-    """Which modes are driven, and how far."""
+    """Return a line on the modes that are driven, and how far."""
     which = "mode" if len(driven.modes) == 1 else "modes"
     length = "" if units is None else f" {units.length}"
     return (

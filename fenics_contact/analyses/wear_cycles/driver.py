@@ -120,7 +120,7 @@ class CyclesOfRun(StepDriver):
     def history(
         self, problem: Problem, timings: Timings, forces_of: Callable[[Solution], Any]
     ) -> CycleHistory:
-        """What keeps the results of cycles; arguments are those of ``StepHistory``."""
+        """Make the history of cycles; its arguments are those of ``StepHistory``."""
         self._history = CycleHistory(problem, timings, forces_of)
         return self._history
 

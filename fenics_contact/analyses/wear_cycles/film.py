@@ -72,7 +72,7 @@ class _Line:
         self._pressures = np.stack([table.numbers["contact_pressure"] for table in rows])
 
     def draw(self, panels: list[Axes], frame: int) -> None:
-        """A frame."""
+        """Draw the state at the end of a cycle."""
         depth, pressure = panels
         x, worn = self._position, self._depths[frame]
         for kind, (label, status) in enumerate(KINDS):

@@ -1,4 +1,4 @@
-"""What cycles that wear lose, most of which are passed over, from the records of load steps."""
+"""Losses of cycles that wear, most of which are passed over, from the records of load steps."""
 
 from __future__ import annotations
 

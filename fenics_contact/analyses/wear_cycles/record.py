@@ -10,7 +10,7 @@ from fenics_contact.results.records.record import Quantities, Record
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WornCycleEnd(Record):
-    """What a cycle that wears has brought, where most of them are passed over.
+    """Result of a cycle that wears, where most of them are passed over.
 
     Attributes:
         passed_over: How many cycles before it were not computed, since the last one that was.

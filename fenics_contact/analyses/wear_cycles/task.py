@@ -23,7 +23,7 @@ class WearCyclesTask(AnalysisTask):
         self._files: WornFiles | None = None
 
     def driver(self) -> CyclesOfRun:
-        """What takes the load steps of the run."""
+        """Return the driver of the load steps of the run."""
         return self._driver
 
     def begin_files(self, comm: MPI.Comm, folder: Path, resumed: float | None) -> None:
