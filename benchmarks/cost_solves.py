@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
+from fenics_contact.common import mumps
 from fenics_contact.common.parallel import largest
-from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.nodal_forces import BulkForces

@@ -36,7 +36,7 @@ def _signature(
     app: Sphinx, what: str, name: str, value: Any, options: Any, signature: str, returned: str
 ) -> tuple[str, str] | None:
     """Of dataclasses the names, with the defaults of a scene class's keys; types are told below."""
-    from fenics_contact.scene.keys.reference import keys_of
+    from fenics_contact.scene.reference import keys_of
 
     if not _is_of_scenes(value):
         if what == "class" and dataclasses.is_dataclass(value):
@@ -53,7 +53,7 @@ def _add_keys(
     app: Sphinx, what: str, name: str, value: Any, options: Any, lines: list[str]
 ) -> None:
     """What each key of a scene class takes and means."""
-    from fenics_contact.scene.keys.reference import keys_of
+    from fenics_contact.scene.reference import keys_of
 
     if _is_of_scenes(value):
         for key in keys_of(value):

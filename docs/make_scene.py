@@ -2,6 +2,6 @@
 
 from pathlib import Path
 
-from fenics_contact.scene.keys.reference import render
+from fenics_contact.scene.reference import render
 
 Path(__file__).with_name("scene.md").write_text(render(), encoding="utf-8")

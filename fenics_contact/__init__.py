@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
-    from fenics_contact.scene.asked.accuracy import Accuracy
+    from fenics_contact.scene.accuracy import Accuracy
+    from fenics_contact.scene.body import Material
     from fenics_contact.scene.contact import Contact
     from fenics_contact.scene.laws.friction_laws import (
         ComplianceFriction,
@@ -58,7 +59,6 @@ if TYPE_CHECKING:
     from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
     from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
-    from fenics_contact.scene.material import Material
     from fenics_contact.scene.obstacle import HalfSpace, Obstacle
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -165,9 +165,8 @@ _MODULES = {
     "results.contact_points": ("ContactPoints",),
     "results.result": ("Check", "Result"),
     "scene.scene": ("Discretisation", "Scene"),
-    "scene.mesh_source": ("MeshSource",),
     "scene.loading.conditions": ("Load", "Point", "Preload", "Support"),
-    "scene.asked.accuracy": ("Accuracy",),
+    "scene.accuracy": ("Accuracy",),
     "scene.loading.cycles": ("Cycles",),
     "analyses.wear_cycles.table": ("CycleJump",),
     "scene.loading.motion": ("Motion", "MotionModes", "Rayleigh"),
@@ -191,7 +190,7 @@ _MODULES = {
     ),
     "scene.laws.normal_laws": ("NormalCompliance", "OwnNormalLaw", "PressureFormula"),
     "scene.reading": ("load_scene",),
-    "scene.material": ("Material",),
+    "scene.body": ("Material", "MeshSource"),
     "scene.steps": ("SolverSettings", "Steps"),
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),

@@ -26,7 +26,7 @@ def register(package: str) -> None:
     """Add an analysis to those that there are.
 
     Args:
-        package: Name of a module whose ``ANALYSIS`` says what it is; ``scene.keys.extension`` gives
+        package: Name of a module whose ``ANALYSIS`` says what it is; ``scene.reference`` gives
             scenes its table.
     """
     if package not in _PACKAGES:

@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from fenics_contact.scene.material import Material
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Kinematics, Value
 

@@ -18,7 +18,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import smallest
-from fenics_contact.scene.material import Material
+from fenics_contact.scene.body import Material
 
 
 class Mass:

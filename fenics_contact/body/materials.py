@@ -21,7 +21,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest
-from fenics_contact.scene.material import Material
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.values import Value
 
 

@@ -14,21 +14,20 @@ from mpi4py import MPI
 from fenics_contact.cli.progress import activity
 from fenics_contact.cli.summary import print_model, print_result
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common import program
+from fenics_contact.common import petsc_options, program
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import (
     READER_LEFT,
+    Interrupts,
     attempt,
     drop_output,
     explain,
     failing_together,
     say,
 )
-from fenics_contact.common.interrupts import Interrupts
 from fenics_contact.common.parallel import of_every_rank, on_root
-from fenics_contact.common.petsc import options as petsc_options
-from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import PlainFormatter
+from fenics_contact.common.wording import one_line
 from fenics_contact.contact.laws.allowed import allow_laws
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result

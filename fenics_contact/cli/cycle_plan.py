@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 from fenics_contact.analyses import registry
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.keys.reference import measured_by
 from fenics_contact.scene.laws.wear import Wear
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import load_steps_in_cycle
+from fenics_contact.scene.reference import measured_by
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 
 
 def cycle_plan(scene: Scene, names: UnitNames | None) -> Iterator[str]:

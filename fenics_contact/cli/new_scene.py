@@ -12,7 +12,7 @@ import tomlkit
 from fenics_contact.common.atomic_files import make_folder, replace_file
 from fenics_contact.common.errors import InputError, MachineError
 from fenics_contact.common.program import mesh_file, templates
-from fenics_contact.common.wording.suggestions import did_you_mean
+from fenics_contact.common.wording import did_you_mean
 
 _GEOMETRY = re.compile(r'^file = "([^"]+\.(?:geo|step))"', re.MULTILINE)
 

@@ -16,8 +16,7 @@ from fenics_contact.cli.explore import options as explore
 from fenics_contact.cli.fit import options as fit
 from fenics_contact.cli.look import options as look
 from fenics_contact.cli.sweep import options as sweep
-from fenics_contact.common.plain_text import printable
-from fenics_contact.common.wording.suggestions import did_you_mean
+from fenics_contact.common.wording import did_you_mean, printable
 
 PROGRAM = "fenics-contact"
 

@@ -18,7 +18,7 @@ from fenics_contact.common.terminal import Terminal
 from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Steps
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 
 if TYPE_CHECKING:
     from rich.progress import ProgressColumn

@@ -11,8 +11,8 @@ from rich.table import Table
 
 from fenics_contact.analyses import registry
 from fenics_contact.cli.cycle_plan import cycle_plan
-from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
+from fenics_contact.common.wording import one_line
 from fenics_contact.quantities.names import REACTION
 from fenics_contact.quantities.table import with_true_value
 from fenics_contact.results.check_messages import compares, level_rows, title
@@ -34,9 +34,9 @@ from fenics_contact.results.words.headlines import (
     reaction_rows,
 )
 from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
-from fenics_contact.scene.keys.reference import measured_by
+from fenics_contact.scene.reference import measured_by
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 from fenics_contact.scene.units.table import names_of
 
 # Keys of the model whose names alone say little.

@@ -1,7 +1,8 @@
-"""Failures in words and as exit codes; no rank waits for them, and no answer is lost.
+"""Failures in words and as exit codes, signals among them; no rank waits, no answer is lost.
 
-Errors that all ranks raise together are Python's ordinary ones. One that hits a rank alone leaves
-the others in a collective call for ever, so it ends them all, with its message.
+Failures in words and as exit codes; no rank waits for them, and no answer is lost. Errors that all
+ranks raise together are Python's ordinary ones. One that hits a rank alone leaves the others in a
+collective call for ever, so it ends them all, with its message.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TypeVar
+from types import FrameType, TracebackType
+from typing import Any, ClassVar, TypeVar
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -28,7 +30,7 @@ from fenics_contact.common.errors import (
 )
 from fenics_contact.common.form_cache import COMPILER_SAID
 from fenics_contact.common.parallel import of_every_rank
-from fenics_contact.common.plain_text import printable
+from fenics_contact.common.wording import printable
 
 logger = logging.getLogger(__name__)
 
@@ -232,3 +234,54 @@ def silently() -> Iterator[None]:
         yield
     finally:
         solvers.setLevel(before)
+
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_MESSAGE = "\nfenics-contact: stopping at the last {} that is done; again to kill\n"
+
+
+class Interrupts:
+    """While entered, signals only set a mark on this rank; handlers of before come back.
+
+    Args:
+        what: Of what the last that is done is kept.
+    """
+
+    entered: ClassVar[list[Interrupts]] = []
+
+    def __init__(self, what: str = "load step") -> None:
+        self._message = _MESSAGE.format(what).encode()
+        self._requested = False
+        self._before: dict[signal.Signals, Any] = {}
+
+    def requested(self) -> bool:
+        """Whether this rank was asked to stop."""
+        return self._requested
+
+    def __enter__(self) -> Interrupts:
+        for number in _SIGNALS:
+            self._before[number] = signal.signal(number, self._handle)
+        self.entered.append(self)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.entered.remove(self)
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        if self._requested:
+            signal.signal(number, signal.SIG_DFL)
+            os.kill(os.getpid(), number)
+        self._requested = True
+        os.write(2, self._message)
+
+
+def requested() -> bool:
+    """Whether this rank was asked to stop, for what is called while it waits for something."""
+    return any(found.requested() for found in Interrupts.entered)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 
-from fenics_contact.common.plain_text import printable
+from fenics_contact.common.wording import printable
 
 
 class Terminal(Console):

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.wording.suggestions import question
+from fenics_contact.common.wording import question
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import Dimension, description_of, dimension_of
 from fenics_contact.scene.units.table import names_of

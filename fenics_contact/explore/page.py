@@ -9,7 +9,7 @@ from importlib import resources
 
 from markupsafe import Markup
 
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.explore.keys import MovedKey
 from fenics_contact.explore.server import File
 from fenics_contact.report import page as report_page

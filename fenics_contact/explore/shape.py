@@ -11,7 +11,7 @@ from dolfinx import plot
 from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.explore.messages import Message
 from fenics_contact.problem.problem import Problem
 from fenics_contact.report.contacts.line import positions, tangents

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.wording.suggestions import question
+from fenics_contact.common.wording import question
 from fenics_contact.mesh.from_gmsh import MeshArrays
 from fenics_contact.mesh.geometry.file_kinds import MeshFile
 from fenics_contact.mesh.tagged_mesh import Group, Relation

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, smallest, total
-from fenics_contact.common.plain_text import one_line
-from fenics_contact.common.wording.suggestions import question
+from fenics_contact.common.wording import one_line, question
 
 # Of a cell's size: middle nodes that lie so little aside leave moments balanced to round-off.
 _STRAIGHT = 1e-10

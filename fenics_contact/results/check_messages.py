@@ -9,7 +9,7 @@ from fenics_contact.results.records.model import LevelRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.result import Check
 from fenics_contact.results.words.rounding import UNKNOWN
-from fenics_contact.scene.asked.accuracy import Accuracy
+from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
 
 

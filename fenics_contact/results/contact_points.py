@@ -15,7 +15,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers, Words
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.quantities.names import PENALTY_ENERGY
 
 

@@ -22,7 +22,7 @@ from fenics_contact.quantities.names import (
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.records.steps import StepRecord
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 
 _AXES = "xyz"
 # What varies by less than this share of the largest stands still: a pressed obstacle that is moved

@@ -8,10 +8,10 @@ from typing import Any
 from fenics_contact.quantities import table
 from fenics_contact.results.records.contacts import ContactRecord, SupportRecord
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.keys.reference import measured_by as measured_by_key
 from fenics_contact.scene.laws.normal_laws import NormalLawTable
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.quantity_names import OF_PRELOADS, OfScalar
+from fenics_contact.scene.reference import measured_by as measured_by_key
 
 
 def measured_by_parameter(name: str) -> str:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field
 
 from fenics_contact.scene.laws.friction_laws import AnyFrictionLaw
-from fenics_contact.scene.laws.kinds import kinds_of
+from fenics_contact.scene.laws.law_tables import kinds_of
 from fenics_contact.scene.laws.normal_laws import NORMAL_LAWS, AnyNormalLaw
 from fenics_contact.scene.laws.wear import Wear
 from fenics_contact.scene.obstacle import Obstacle

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fenics_contact.analyses import registry
+from fenics_contact.scene.body import MeshSource
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.loading.load_paths import require_cycles
 from fenics_contact.scene.loading.motion import require_motion
-from fenics_contact.scene.mesh_source import MeshSource
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import AXES, profiles_of
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Hashable
 from dataclasses import dataclass
 
-from fenics_contact.common.wording.suggestions import nearest
+from fenics_contact.common.wording import nearest
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import FRICTION_WORK, OF_POINTS, REACTION
 from fenics_contact.scene.values import AXES

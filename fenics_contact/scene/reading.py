@@ -14,7 +14,7 @@ from typing import Any, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.wording.suggestions import nearest_file
+from fenics_contact.common.wording import nearest_file
 from fenics_contact.scene.messages import sentence, written
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import as_list

@@ -17,7 +17,9 @@ from fenics_contact.analyses.derivatives.table import DerivativeRequest, as_tole
 from fenics_contact.analyses.fretting.table import Fretting
 from fenics_contact.analyses.stability.table import Stability
 from fenics_contact.analyses.vibration.table import Damping, Modes
-from fenics_contact.scene.asked.accuracy import Accuracy, Share, as_accuracy
+from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
+from fenics_contact.scene.body import Material
+from fenics_contact.scene.body import MeshSource as MeshSource
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.fit import require_fit
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
@@ -25,8 +27,6 @@ from fenics_contact.scene.loading.conditions import Load, Point, Preload, Suppor
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import load_steps_of
 from fenics_contact.scene.loading.motion import Motion
-from fenics_contact.scene.material import Material
-from fenics_contact.scene.mesh_source import MeshSource as MeshSource
 from fenics_contact.scene.obstacle import HalfSpace
 from fenics_contact.scene.quantity_names import QuantityNames
 from fenics_contact.scene.steps import SolverSettings as SolverSettings

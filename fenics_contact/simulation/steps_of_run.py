@@ -15,7 +15,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation.analysis_tasks import AnalysisTasks
 from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun

@@ -14,12 +14,12 @@ from typing import Literal
 
 import numpy as np
 
+from fenics_contact.common import mumps
 from fenics_contact.common.arrays import Flags
 from fenics_contact.common.errors import InputError, MachineError
 from fenics_contact.common.failures import LESS_MEMORY
 from fenics_contact.common.memory import free_memory_for, memory_limit
 from fenics_contact.common.parallel import total
-from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import is_part_free

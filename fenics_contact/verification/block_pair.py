@@ -9,9 +9,9 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.program import mesh_file
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import MeshSource, Scene
 from fenics_contact.scene.values import AxisName, Value
 from fenics_contact.simulation.scene_run import Run

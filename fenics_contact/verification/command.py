@@ -18,7 +18,7 @@ from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.common.terminal import Terminal
-from fenics_contact.common.wording.suggestions import did_you_mean
+from fenics_contact.common.wording import did_you_mean
 from fenics_contact.verification import CASES
 from fenics_contact.verification.case import Case, Finding, Outcome, no_value, noting_meshes
 

@@ -6,10 +6,9 @@ from mpi4py import MPI
 from scipy.optimize import brentq, nnls
 from scipy.spatial.transform import Rotation
 
-from fenics_contact.analytic.fatigue import criteria
-from fenics_contact.analytic.fatigue.critical_plane import swt
-from fenics_contact.analytic.fatigue.enclosing_ball import smallest_balls
-from fenics_contact.analytic.fatigue.lives import StrainLife
+from fenics_contact.analytic import fatigue_criteria as criteria
+from fenics_contact.analytic.critical_plane import StrainLife, swt
+from fenics_contact.analytic.fatigue_criteria import smallest_balls
 from fenics_contact.common.arrays import Array
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="no meshes; one rank will do")

@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 from fenics_contact import load_scene, main
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.analytic.press_fit import Tube, pressure
+from fenics_contact.analytic.two_bodies import Tube, pressure
 from fenics_contact.cli import new_scene
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.program import mesh_file, templates

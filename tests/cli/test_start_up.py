@@ -19,7 +19,7 @@ NOT_OF_A_RUN = PICTURES | {
     *("rich.progress", "sympy", "hypothesis", "pytest"),
     *("fenics_contact.simulation.adaptive", "fenics_contact.report"),
     *("fenics_contact.verification", "fenics_contact.cli.new_scene"),
-    *("fenics_contact.cli.completion", "fenics_contact.scene.keys.schema"),
+    *("fenics_contact.cli.completion", "fenics_contact.scene.schema"),
     "fenics_contact.scene.messages.toml_slips",
     "pint",
 }

@@ -9,7 +9,7 @@ import threading
 
 import pytest
 
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.results.contact_points import ContactTable
 from tests.scenes import ROOT
 

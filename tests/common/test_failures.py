@@ -18,10 +18,10 @@ from petsc4py import PETSc
 
 from fenics_contact import Contact, InputError, Load, Material, Run, Scene, Support, run
 from fenics_contact.cli.commands import guarded
+from fenics_contact.common import mumps
 from fenics_contact.common.errors import MachineError, NotConvergedError
 from fenics_contact.common.failures import READER_LEFT, explain, original
 from fenics_contact.common.memory import free_memory_for, memory_limit
-from fenics_contact.common.petsc import mumps
 from fenics_contact.simulation import scene_run as simulation
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.solver_choice import choose_solver

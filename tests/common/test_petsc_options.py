@@ -7,7 +7,7 @@ from petsc4py import PETSc
 import fenics_contact
 from fenics_contact import InputError, main
 from fenics_contact.cli import program as cli
-from fenics_contact.common.petsc.options import _REFUSALS, given, is_used, parse
+from fenics_contact.common.petsc_options import _REFUSALS, given, is_used, parse
 from tests.cli.test_commands import SCENE, write
 from tests.scenes import PULLED_BLOCK, box_body, with_solver
 

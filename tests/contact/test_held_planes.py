@@ -14,7 +14,7 @@ from fenics_contact import (
     SolverSettings,
     Support,
 )
-from fenics_contact.analytic.press_fit import Tube
+from fenics_contact.analytic.two_bodies import Tube
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.rings import quarter_rings

@@ -19,7 +19,7 @@ from fenics_contact import (
     Steps,
     Support,
 )
-from fenics_contact.analytic.press_fit import Tube, pressure
+from fenics_contact.analytic.two_bodies import Tube, pressure
 from fenics_contact.common.errors import SceneError
 from fenics_contact.simulation.restart.state_file import StateFile
 from fenics_contact.verification.boxes import Box, boxes

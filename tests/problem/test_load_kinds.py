@@ -24,9 +24,9 @@ from fenics_contact.common.errors import SceneError
 from fenics_contact.contact.laws import allowed
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.loads import LAWS
-from fenics_contact.scene.keys.reference import keys_of
-from fenics_contact.scene.keys.schema import scene_schema
 from fenics_contact.scene.loading.load_kinds import kinds_of
+from fenics_contact.scene.reference import keys_of
+from fenics_contact.scene.schema import scene_schema
 from tests.problem import shear_load
 from tests.report.page.pages import page_of
 from tests.scenes import ROOT, box_body

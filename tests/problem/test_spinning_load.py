@@ -6,9 +6,9 @@ import pytest
 
 from fenics_contact import InputError, Load, Material, Scene, Study, Support
 from fenics_contact.analyses.derivatives.drive import driven
-from fenics_contact.scene.keys.reference import render
-from fenics_contact.scene.keys.schema import scene_schema
 from fenics_contact.scene.reading import scene_of_text
+from fenics_contact.scene.reference import render
+from fenics_contact.scene.schema import scene_schema
 from fenics_contact.scene.writing import scene_text
 from tests.problem import spinning_load
 from tests.problem.spinning_load import Spin

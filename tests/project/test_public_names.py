@@ -6,7 +6,7 @@ import pytest
 
 import fenics_contact
 from fenics_contact import Scene
-from fenics_contact.scene.keys.reference import keys_of
+from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.values import Profile
 
 NAMES = """

@@ -10,7 +10,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import load_scene, main, run
-from fenics_contact.analytic.press_fit import Tube, pressure
+from fenics_contact.analytic.two_bodies import Tube, pressure
 from fenics_contact.scene.scene import Steps
 from tests.scenes import ROOT
 

@@ -29,7 +29,7 @@ NOT_OF_SCENES = {
     "cli/explore/command.py",
     "cli/fit/command.py",
     "cli/sweep/command.py",
-    "common/petsc/options.py",
+    "common/petsc_options.py",
     "explore/exploration.py",
     "explore/keys.py",
     "explore/numbers.py",

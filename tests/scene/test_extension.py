@@ -9,11 +9,10 @@ import pytest
 from pydantic import Field
 
 from fenics_contact.common.errors import InputError, SceneError
-from fenics_contact.scene.keys.extension import add_key, remove_key
-from fenics_contact.scene.keys.reference import render
-from fenics_contact.scene.keys.schema import scene_schema
 from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.reading import scene_of_text
+from fenics_contact.scene.reference import add_key, remove_key, render
+from fenics_contact.scene.schema import scene_schema
 from fenics_contact.scene.units.dimensions import LENGTH
 from fenics_contact.scene.values import Positive
 from fenics_contact.scene.writing import scene_text

@@ -15,7 +15,7 @@ from fenics_contact import (
     Support,
     load_scene,
 )
-from fenics_contact.scene.keys import reference as scene_reference
+from fenics_contact.scene import reference as scene_reference
 from fenics_contact.scene.reading import value_of
 from tests.scenes import ROOT
 

@@ -10,8 +10,8 @@ from mpi4py import MPI
 
 from fenics_contact import Scene, main
 from fenics_contact.common.program import templates
-from fenics_contact.scene.keys.reference import keys_of
-from fenics_contact.scene.keys.schema import scene_schema
+from fenics_contact.scene.reference import keys_of
+from fenics_contact.scene.schema import scene_schema
 from tests.scene.test_reading import GOOD, PUNCH
 from tests.scenes import ROOT
 

@@ -11,9 +11,8 @@ from scipy.sparse import csr_matrix
 
 from fenics_contact import main, verification
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.analytic.airy import AiryField
 from fenics_contact.analytic.half_space import cerruti
-from fenics_contact.analytic.press_fit import Tube
+from fenics_contact.analytic.two_bodies import AiryField, Tube
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.verification import Case, Finding

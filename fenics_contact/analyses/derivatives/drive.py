@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.load_kinds import times
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.value_arithmetic import times
 
 
 def driven(scene: Scene, factor: float) -> Scene:

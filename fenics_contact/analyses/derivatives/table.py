@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field
 
 from fenics_contact.quantities import table
-from fenics_contact.scene.asked.accuracy import flat_names
+from fenics_contact.scene.accuracy import flat_names
 from fenics_contact.scene.values import Text, scene_class
 
 if TYPE_CHECKING:

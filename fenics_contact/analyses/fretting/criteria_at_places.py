@@ -15,9 +15,8 @@ from fenics_contact.analyses.fretting.record import FrettingRecord, WorstPlace
 from fenics_contact.analyses.fretting.recovery import Recovery
 from fenics_contact.analyses.fretting.region import Cells, tensors
 from fenics_contact.analyses.fretting.table import Fretting
-from fenics_contact.analytic.fatigue import criteria
-from fenics_contact.analytic.fatigue.critical_plane import swt
-from fenics_contact.analytic.fatigue.lives import StrainLife
+from fenics_contact.analytic import fatigue_criteria as criteria
+from fenics_contact.analytic.critical_plane import StrainLife, swt
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import on_root
 from fenics_contact.problem.problem import Problem

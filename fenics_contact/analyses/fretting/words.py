@@ -9,7 +9,7 @@ from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words
 from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 
 NAMES = {"swt": "SWT", "crossland": "Crossland", "dang_van": "Dang Van"}
 

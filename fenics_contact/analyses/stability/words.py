@@ -7,7 +7,7 @@ from fenics_contact.results.records.record import NO_UNITS, UnitsRecord
 from fenics_contact.results.records.run import Outcome
 from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 
 # What they measure.
 _RATE, _FREQUENCY = "1/time", "cycles/time"

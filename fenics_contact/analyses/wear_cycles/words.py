@@ -8,7 +8,7 @@ from fenics_contact.results.records.record import UnitsRecord
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.loading.cycles import Cycles
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 
 
 class _WearWords(AnalysisWords):

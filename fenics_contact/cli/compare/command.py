@@ -11,8 +11,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.plain_text import one_line
 from fenics_contact.common.terminal import Terminal
+from fenics_contact.common.wording import one_line
 from fenics_contact.report.compare.page import LIBRARIES, write_comparison
 from fenics_contact.report.gallery import require
 from fenics_contact.results.comparison.comparison import Comparison, Group, QuantityRow

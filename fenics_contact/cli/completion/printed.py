@@ -30,7 +30,7 @@ def print_text(options: argparse.Namespace) -> int:
 
 
 def _schema() -> str:
-    from fenics_contact.scene.keys.schema import scene_schema
+    from fenics_contact.scene.schema import scene_schema
 
     return json.dumps(scene_schema(), indent=2, ensure_ascii=True)
 

@@ -16,7 +16,7 @@ import jinja2
 
 from fenics_contact.cli.options import PROGRAM, parsers
 from fenics_contact.common.program import VERSION, templates
-from fenics_contact.scene.keys.schema import scene_schema
+from fenics_contact.scene.schema import scene_schema
 
 # Stands for the number of an entry of a list in keys.
 _NUMBER = "#"

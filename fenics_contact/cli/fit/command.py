@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 from fenics_contact.common.errors import InputError, StoppedError
 from fenics_contact.common.failures import original
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.report.fit.page import write_fit_page
 from fenics_contact.report.fit.tables import interval_in_words
 from fenics_contact.results.fit_record import CURVE, PAGE, RECORD, FitRecord

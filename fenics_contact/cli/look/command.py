@@ -13,7 +13,7 @@ import numpy as np
 from fenics_contact.cli.look.proposal import Proposal, gap_words
 from fenics_contact.common.atomic_files import make_folder, replace_file
 from fenics_contact.common.errors import InputError, MachineError
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.mesh.loading import is_geometry, load_to_look
 from fenics_contact.mesh.survey.facing import facing_pairs
 from fenics_contact.mesh.survey.survey import FoundSurface, Survey, survey

@@ -14,8 +14,7 @@ import numpy as np
 import tomlkit
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.plain_text import one_line
-from fenics_contact.common.wording.plain_names import plain_name, unique_names
+from fenics_contact.common.wording import one_line, plain_name, unique_names
 from fenics_contact.mesh.survey.facing import Pair
 from fenics_contact.mesh.survey.pieces import bolts, loose_pieces
 from fenics_contact.mesh.survey.survey import FoundSurface, Survey

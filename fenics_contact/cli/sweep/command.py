@@ -12,9 +12,9 @@ from mpi4py import MPI
 
 from fenics_contact.cli.progress import counting
 from fenics_contact.common.errors import InputError, StoppedError
-from fenics_contact.common.interrupts import Interrupts
+from fenics_contact.common.failures import Interrupts
 from fenics_contact.common.memory import cores
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.report.sweep.page import write_sweep_page
 from fenics_contact.results.words.outcomes import outcome_of
 from fenics_contact.scene.reading import SceneFile

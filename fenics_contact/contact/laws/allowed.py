@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.wording.suggestions import question
+from fenics_contact.common.wording import question
 
 _modules: dict[str, ModuleType] = {}
 

@@ -13,7 +13,7 @@ from typing import Any
 import gmsh
 import numpy as np
 
-from fenics_contact.common.wording.plain_names import label_of, unique_names
+from fenics_contact.common.wording import label_of, unique_names
 from fenics_contact.mesh.geometry.process_room import Arrays, Job, RefusedError
 from fenics_contact.mesh.geometry.step_faces import face_labels
 

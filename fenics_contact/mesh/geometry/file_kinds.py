@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.wording.suggestions import nearest_file
+from fenics_contact.common.wording import nearest_file
 from fenics_contact.mesh.geometry.other_formats import way_out
 from fenics_contact.mesh.geometry.script_safety import FileRead, GeometryScript
 from fenics_contact.mesh.geometry.script_statements import ScriptError

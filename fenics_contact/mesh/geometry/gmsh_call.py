@@ -27,8 +27,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fenics_contact.common import interrupts
 from fenics_contact.common.errors import InputError, StoppedError
+from fenics_contact.common.failures import requested as stop_requested
 from fenics_contact.common.memory import free_memory
 from fenics_contact.mesh.geometry.file_kinds import Prepared
 
@@ -210,7 +210,7 @@ class _Watch:
 
     def _look(self) -> None:
         seconds = time.monotonic() - self._began
-        if interrupts.requested():
+        if stop_requested():
             raise StoppedError("interrupted")
         if seconds > self._limits.seconds:
             raise InputError(

@@ -13,7 +13,7 @@ from typing import Any
 import gmsh
 import numpy as np
 
-from fenics_contact.common.wording.suggestions import question
+from fenics_contact.common.wording import question
 from fenics_contact.mesh.geometry.bodies import Bodies
 from fenics_contact.mesh.geometry.process_room import Job, RefusedError
 

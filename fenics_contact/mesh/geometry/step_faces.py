@@ -13,7 +13,7 @@ from pathlib import Path
 import gmsh
 import numpy as np
 
-from fenics_contact.common.wording.plain_names import label_of
+from fenics_contact.common.wording import label_of
 
 _TEXT = r"'((?:[^']|'')*+)'"  # possessive: no text makes the search slow
 _ENTITY = re.compile(rf"#(\d+)\s*=\s*([A-Z0-9_]+)\s*\(((?:[^';]|{_TEXT})*+);")

@@ -41,8 +41,8 @@ from fenics_contact.problem.inertia.states import (
     first_velocity,
     follow,
 )
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.loading.motion import Motion
-from fenics_contact.scene.material import Material
 
 # Of what is brought into a motion: beyond that, steps that leave more open have its energy wrong.
 _MOST_OPEN = 0.1

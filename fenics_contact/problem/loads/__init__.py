@@ -17,9 +17,9 @@ from fenics_contact.problem.loads.body_force import BodyForce
 from fenics_contact.problem.loads.given_load import GivenLoad
 from fenics_contact.problem.loads.pressure import Pressure
 from fenics_contact.problem.loads.traction import Traction
-from fenics_contact.scene.keys.extension import add_key, remove_key
 from fenics_contact.scene.loading.conditions import Load
 from fenics_contact.scene.loading.load_paths import KeyedPath
+from fenics_contact.scene.reference import add_key, remove_key
 from fenics_contact.scene.values import Value
 
 LAWS: dict[str, type[ActingLoad]] = {law.kind: law for law in (Traction, Pressure, BodyForce)}

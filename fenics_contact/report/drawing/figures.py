@@ -9,7 +9,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from fenics_contact.common.atomic_files import replaced_file
-from fenics_contact.common.plain_text import printable
+from fenics_contact.common.wording import printable
 from fenics_contact.report.drawing.paper import Paper, wanted, write_data
 from fenics_contact.report.drawing.style import STYLE
 from fenics_contact.results.records.contacts import ContactRecord

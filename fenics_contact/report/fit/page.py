@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from fenics_contact.common.atomic_files import replace_file
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.report.drawing.units import in_units, with_unit
 from fenics_contact.report.fit.files import read_fit
 from fenics_contact.report.fit.pictures import draw_fit

@@ -21,7 +21,7 @@ from fenics_contact.report.formulas.surface_cover import covers
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.load_history import History
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.scene.material import Material
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import numpy as np
 from markupsafe import Markup
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.report import page as report_page
 from fenics_contact.report.page.templates import render
 

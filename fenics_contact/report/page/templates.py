@@ -14,7 +14,7 @@ from jinja2 import ChoiceLoader, Environment, FunctionLoader, PackageLoader, Str
 from markupsafe import Markup, escape
 
 from fenics_contact.analyses import registry
-from fenics_contact.common.plain_text import printable
+from fenics_contact.common.wording import printable
 from fenics_contact.report.drawing.palette import small_png
 
 _KINDS = {".png": "image/png", ".gif": "image/gif"}

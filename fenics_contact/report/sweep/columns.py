@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.quantities.names import (
     CONTACT_AREA,
     CONTACT_RADIUS,
@@ -23,8 +23,8 @@ from fenics_contact.report.sweep.files import SweepTable
 from fenics_contact.results.records.record import UnitsRecord
 from fenics_contact.results.words.rounding import rounded, sizes_of
 from fenics_contact.results.words.tables import headed
-from fenics_contact.scene.keys.reference import keys_of
-from fenics_contact.scene.keys.reference import measured_by as measured_by_key
+from fenics_contact.scene.reference import keys_of
+from fenics_contact.scene.reference import measured_by as measured_by_key
 from fenics_contact.scene.scene import Scene
 
 Cells = list[float | None]

@@ -11,7 +11,7 @@ from typing import Any
 from markupsafe import Markup
 
 from fenics_contact.common.atomic_files import replace_file
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.report import page as report_page
 from fenics_contact.report.drawing.style import COLOURS, LINES
 from fenics_contact.report.gallery import require

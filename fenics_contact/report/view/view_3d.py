@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.quantities.names import CLOSED_GAP
 from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
 from fenics_contact.report.bodies.view import choose_view

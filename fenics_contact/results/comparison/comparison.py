@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import REACTION
 from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value, measured_by

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.results.records.record import UnitsRecord
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.result_file import read_result
-from fenics_contact.scene.keys.reference import keys_of
+from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.writing import MADE_IN_PYTHON
 

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 
 Class = TypeVar("Class", bound=type)
 # By name: a number, a list for a vector, None where there is no value.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import NamedTuple
 
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import (
     CONTACT_AREA,

@@ -22,7 +22,7 @@ from fenics_contact.results.records.steps import BranchRecord, StepRecord
 from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import UnitNames
 
 # What answers of one scene are told apart by.
 _OF_BRANCHES = (NORMAL_FORCE, FRICTION_FORCE, STICK_AREA, SLIP_AREA)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.common.wording.suggestions import question
+from fenics_contact.common.wording import question
 
 _OPERATIONS: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Add: lambda a, b: a + b,

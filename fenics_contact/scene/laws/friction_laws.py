@@ -9,9 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from fenics_contact.scene.laws.friction_table import FrictionLawTable, require_increase
-from fenics_contact.scene.laws.kinds import TablesByKind
-from fenics_contact.scene.laws.own_laws import LANGUAGE, ClassName, Parameters, require_formula
+from fenics_contact.scene.laws.law_tables import (
+    LANGUAGE,
+    ClassName,
+    FrictionLawTable,
+    Parameters,
+    TablesByKind,
+    require_formula,
+    require_increase,
+)
 from fenics_contact.scene.units.dimensions import LENGTH, STIFFNESS_OF_POWER, STRESS, VELOCITY
 from fenics_contact.scene.values import Number, Positive, Text, Value, scene_class
 

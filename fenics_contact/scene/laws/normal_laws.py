@@ -9,8 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from fenics_contact.scene.laws.kinds import TablesByKind
-from fenics_contact.scene.laws.own_laws import LANGUAGE, ClassName, Parameters, require_formula
+from fenics_contact.scene.laws.law_tables import (
+    LANGUAGE,
+    ClassName,
+    Parameters,
+    TablesByKind,
+    require_formula,
+)
 from fenics_contact.scene.units.dimensions import STIFFNESS_OF_POWER
 from fenics_contact.scene.values import Number, Text, Value, scene_class
 

@@ -10,8 +10,7 @@ import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from fenics_contact.scene.messages.number_slips import SLIPS as NUMBER_SLIPS
-from fenics_contact.scene.messages.usual_names import key_of_symbol
+from fenics_contact.scene.messages.usual_names import NUMBER_SLIPS, key_of_symbol
 
 # Texts in quotes and comments, in which nothing is repaired.
 _KEPT = re.compile(r'("(?:\\.|[^"\\])*"|\'[^\']*\'|#.*)')

@@ -78,7 +78,7 @@ def _is_header(line: str, name: str, brackets: str) -> bool:
 
 def _lists() -> list[str]:
     """Tables of which there may be several."""
-    from fenics_contact.scene.keys.reference import keys_of
+    from fenics_contact.scene.reference import keys_of
     from fenics_contact.scene.scene import Scene
 
     return [key.name for key in keys_of(Scene) if key.is_list and key.tables]

@@ -11,8 +11,7 @@ from pydantic.fields import FieldInfo
 
 from fenics_contact.common.errors import SceneError
 from fenics_contact.scene.messages import written
-from fenics_contact.scene.units.dimensions import Dimension, WithUnit, dimension_of
-from fenics_contact.scene.units.names import UnitNames
+from fenics_contact.scene.units.dimensions import Dimension, UnitNames, WithUnit, dimension_of
 from fenics_contact.scene.values import PLAIN, Text, scene_class
 
 if TYPE_CHECKING:

@@ -31,7 +31,7 @@ from fenics_contact.results.check_messages import (
 from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Seconds
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
-from fenics_contact.scene.asked.accuracy import Accuracy
+from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
 from fenics_contact.simulation.adaptive.fine_enough import finer_there
 from fenics_contact.simulation.adaptive.goals import GoalFinder

@@ -19,7 +19,7 @@ from fenics_contact.quantities.names import (
 from fenics_contact.results.check_messages import plan
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.result import Result
-from fenics_contact.scene.asked.accuracy import Accuracy
+from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.adaptive.next_mesh import hindrance
 from fenics_contact.simulation.scene_run import Run

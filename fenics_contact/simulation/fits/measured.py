@@ -12,7 +12,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.wording.suggestions import did_you_mean
+from fenics_contact.common.wording import did_you_mean
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.values import found_in
 

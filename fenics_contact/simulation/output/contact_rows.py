@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.results.contact_points import (
     CSV_HEADER,
     WRITTEN,

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fenics_contact.common.atomic_files import append, replace_file
-from fenics_contact.common.plain_text import one_line
+from fenics_contact.common.wording import one_line
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import REACTION
 from fenics_contact.results.records.record import Quantities

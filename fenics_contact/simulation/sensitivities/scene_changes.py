@@ -23,8 +23,8 @@ from fenics_contact.problem.loads import load_of_components
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalars.resultant import Resultant
 from fenics_contact.problem.scalars.shortening import Shortening
+from fenics_contact.scene.loading.load_kinds import slope_of
 from fenics_contact.scene.obstacle import Obstacle
-from fenics_contact.scene.value_arithmetic import slope_of
 from fenics_contact.scene.values import Value
 from fenics_contact.simulation.sensitivities.values import found_in, numbered, value_under
 

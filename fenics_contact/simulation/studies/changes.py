@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.wording.suggestions import question
+from fenics_contact.common.wording import question
 from fenics_contact.scene.scene import Scene
 
 

@@ -17,11 +17,11 @@ import numpy as np
 from dolfinx import la
 from petsc4py import PETSc
 
+from fenics_contact.common import mumps
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.parallel import total
-from fenics_contact.common.petsc import mumps
-from fenics_contact.common.petsc.options import ZONE_PREFIX
+from fenics_contact.common.petsc_options import ZONE_PREFIX
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix

@@ -23,7 +23,7 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
-from fenics_contact.common.petsc.options import BULK_PREFIX
+from fenics_contact.common.petsc_options import BULK_PREFIX
 from fenics_contact.solve.iterative.zoned_system import ZonedSystem
 
 _OPTIONS = {

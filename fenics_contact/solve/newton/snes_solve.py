@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from fenics_contact.common import mumps
 from fenics_contact.common.errors import (
     FenicsContactError,
     MachineError,
@@ -16,8 +17,7 @@ from fenics_contact.common.errors import (
     StoppedError,
 )
 from fenics_contact.common.failures import original
-from fenics_contact.common.petsc import mumps
-from fenics_contact.common.petsc.options import PREFIX
+from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.noise import round_off
 from fenics_contact.problem.problem import Problem

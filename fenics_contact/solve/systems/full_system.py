@@ -15,9 +15,9 @@ import numpy as np
 from dolfinx import fem
 from petsc4py import PETSc
 
+from fenics_contact.common import mumps
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import largest, total
-from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.bulk_matrix import LinearSystem

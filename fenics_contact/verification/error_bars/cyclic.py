@@ -6,10 +6,10 @@ import dataclasses
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.results.records.record import Quantities
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.loading.cycles import Cycles
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.scene.steps import SolverSettings, Steps
 from fenics_contact.scene.values import Path

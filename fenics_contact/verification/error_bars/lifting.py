@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Point
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.verification.error_bars.case import BarCase, Element, Model, Parameters

@@ -9,10 +9,10 @@ from scipy.optimize import brentq
 
 from fenics_contact.analyses.fretting.table import FatigueLimits, Fretting, StrainLifeLine
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load
 from fenics_contact.scene.loading.cycles import Cycles
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.verification.boxes import Box, boxes

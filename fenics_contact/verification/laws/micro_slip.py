@@ -9,10 +9,10 @@ import numpy as np
 
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.friction_laws import MicroSlipFriction
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.scene.steps import Steps
 from fenics_contact.scene.values import CONSTANT, Path

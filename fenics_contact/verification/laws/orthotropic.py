@@ -9,10 +9,10 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.friction_laws import OrthotropicFriction
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import SolverSettings
 from fenics_contact.verification.case import Case, Finding, solved

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.friction_laws import SlipDependentFriction
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import Steps
 from fenics_contact.scene.values import CONSTANT, Path

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import AXES
 from fenics_contact.verification.boxes import Box, boxes

@@ -12,12 +12,12 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from fenics_contact.analytic.press_fit import Tube
+from fenics_contact.analytic.two_bodies import Tube
 from fenics_contact.common.errors import NoEquilibriumError
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path, Profile
 from fenics_contact.simulation.runs import run

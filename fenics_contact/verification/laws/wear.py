@@ -10,10 +10,10 @@ import numpy as np
 
 from fenics_contact.analyses.wear_cycles.table import CycleJump
 from fenics_contact.analyses.wear_cycles.wear_cycle import WearCycle
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.wear import Wear
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import SolverSettings, Steps

@@ -14,10 +14,10 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load
 from fenics_contact.scene.loading.motion import Motion, MotionModes
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
 from fenics_contact.scene.steps import SolverSettings, Steps

@@ -14,10 +14,10 @@ import numpy as np
 from fenics_contact.analyses.stability.table import Stability
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.loading.motion import Motion
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.scene.values import CONSTANT, Path

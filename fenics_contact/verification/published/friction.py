@@ -13,9 +13,9 @@ from typing import Any, Literal
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path

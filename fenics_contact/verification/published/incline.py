@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from math import atan, cos, hypot, sin
 
 from fenics_contact.common.errors import NoEquilibriumError
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene, SolverSettings
 from fenics_contact.simulation.runs import run
 from fenics_contact.verification.block_pair import LOWER, UPPER, block

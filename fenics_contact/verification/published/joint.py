@@ -11,9 +11,9 @@ import dataclasses
 from collections.abc import Iterator
 
 from fenics_contact.mesh.tagged_mesh import Body, Group
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Preload, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, Scene, Steps
 from fenics_contact.scene.values import Path

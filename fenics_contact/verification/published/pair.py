@@ -15,13 +15,13 @@ import ufl
 from dolfinx import fem
 from mpi4py import MPI
 
-from fenics_contact.analytic.airy import AiryField
+from fenics_contact.analytic.two_bodies import AiryField
 from fenics_contact.common import form_cache
 from fenics_contact.common.parallel import total
 from fenics_contact.mesh.loading import load_body
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.verification.block_pair import (

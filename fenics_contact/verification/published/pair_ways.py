@@ -13,9 +13,9 @@ from mpi4py import MPI
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
 from fenics_contact.common.program import mesh_file
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings
 from fenics_contact.verification.block_pair import (

@@ -8,9 +8,9 @@ from math import pi
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import HalfSpace, Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
 from fenics_contact.verification.case import Case, Finding, of_quantity, radius_of_area, solved

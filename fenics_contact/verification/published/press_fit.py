@@ -12,11 +12,11 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from fenics_contact.analytic.press_fit import Tube, pressure
+from fenics_contact.analytic.two_bodies import Tube, pressure
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.verification.boxes import Box, boxes

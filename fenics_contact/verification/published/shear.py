@@ -13,8 +13,8 @@ from fenics_contact.analyses.derivatives.table import DerivativeRequest
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
 from fenics_contact.results.records.record import Quantities
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import HalfSpace, Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import MeshSource, Scene
 from fenics_contact.verification.case import Case, Finding, of_quantity, solved
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from fenics_contact.analyses.vibration.table import Damping, Modes
 from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import SolverSettings
 from fenics_contact.verification.boxes import Box, boxes

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.steps import SolverSettings
 from fenics_contact.verification.boxes import Box, boxes

@@ -37,9 +37,8 @@ from fenics_contact.analyses.fretting.criteria_at_places import (
 )
 from fenics_contact.analyses.fretting.recovery import Recovery
 from fenics_contact.analyses.fretting.region import StressRegion
-from fenics_contact.analytic.fatigue import criteria
-from fenics_contact.analytic.fatigue.critical_plane import swt
-from fenics_contact.analytic.fatigue.lives import StrainLife
+from fenics_contact.analytic import fatigue_criteria as criteria
+from fenics_contact.analytic.critical_plane import StrainLife, swt
 from fenics_contact.common.arrays import Array
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.verification.boxes import Box, boxes

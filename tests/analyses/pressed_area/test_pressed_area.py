@@ -13,7 +13,7 @@ from fenics_contact.common.errors import SceneError
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.results.result_file import read_result
 from fenics_contact.scene.keys import reference
-from fenics_contact.scene.keys.schema import scene_schema
+from fenics_contact.scene.schema import scene_schema
 from fenics_contact.scene.writing import scene_text
 from tests.analyses import pressed_area
 from tests.analyses.pressed_area.table import PressedArea

@@ -1,7 +1,7 @@
 import pytest
 from mpi4py import MPI
 
-from fenics_contact.common.wording.suggestions import (
+from fenics_contact.common.wording import (
     did_you_mean,
     nearest,
     nearest_file,

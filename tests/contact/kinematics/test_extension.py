@@ -22,8 +22,8 @@ from fenics_contact import (
 )
 from fenics_contact.common.errors import SceneError
 from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
-from fenics_contact.scene.keys.reference import keys_of
-from fenics_contact.scene.keys.schema import scene_schema
+from fenics_contact.scene.reference import keys_of
+from fenics_contact.scene.schema import scene_schema
 from tests.contact.kinematics import ellipse
 from tests.scenes import ROOT, box_body, with_solver
 from tests.simulation.restart.test_state_file import resumed, stopped_after

@@ -9,8 +9,8 @@ from mpi4py import MPI
 from fenics_contact import InputError, Run, Study, load_scene, run
 from fenics_contact.contact.laws.friction import rules
 from fenics_contact.mesh.loading import load_body
-from fenics_contact.scene.keys.reference import render
-from fenics_contact.scene.keys.schema import scene_schema
+from fenics_contact.scene.reference import render
+from fenics_contact.scene.schema import scene_schema
 from tests.contact.laws import shear_limit
 from tests.contact.laws import test_friction_taylor as taylor
 from tests.contact.laws.shear_limit import KIND

@@ -10,8 +10,8 @@ from scipy.optimize import brentq
 from fenics_contact import Motion, Path, Run, Steps, Study, run
 from fenics_contact.common.errors import SceneError
 from fenics_contact.contact.laws import normal
-from fenics_contact.scene.keys.reference import render
-from fenics_contact.scene.keys.schema import scene_schema
+from fenics_contact.scene.reference import render
+from fenics_contact.scene.schema import scene_schema
 from tests.contact.laws import hardening_springs
 from tests.contact.laws import test_normal_taylor as taylor
 from tests.contact.laws.hardening_springs import KIND

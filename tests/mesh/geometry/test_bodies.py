@@ -14,7 +14,7 @@ from mpi4py import MPI
 from ufl import Measure
 
 from fenics_contact import MeshSource, main
-from fenics_contact.common.wording.plain_names import plain_name
+from fenics_contact.common.wording import plain_name
 from fenics_contact.mesh.geometry import bodies
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.size_field import SizeField

@@ -15,9 +15,9 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import InputError, MeshSource, main
-from fenics_contact.common import interrupts
 from fenics_contact.common.errors import StoppedError
-from fenics_contact.common.interrupts import Interrupts
+from fenics_contact.common.failures import Interrupts
+from fenics_contact.common.failures import requested as stop_requested
 from fenics_contact.mesh.geometry import gmsh_call
 from fenics_contact.mesh.loading import load_body
 from tests.mesh.test_loading import RECTANGLE, refusal, write
@@ -172,7 +172,7 @@ def test_a_mark_to_stop_ends_meshing(folder, temporary):
             marked._requested = True
         with pytest.raises(StoppedError):
             load_body(source, 2, COMM)
-    assert not interrupts.requested()
+    assert not stop_requested()
     assert not processes_of(folder) and not left()
 
 

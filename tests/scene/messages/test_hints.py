@@ -6,14 +6,14 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import InputError, load_scene
-from fenics_contact.scene import contact, material, mesh_source, obstacle, scene, steps, values
-from fenics_contact.scene.keys.reference import keys_of
+from fenics_contact.scene import body, contact, obstacle, scene, steps, values
 from fenics_contact.scene.loading import conditions
 from fenics_contact.scene.messages import usual_names
+from fenics_contact.scene.reference import keys_of
 from tests.scene.test_reading import GOOD, PUNCH, write
 
 COMM = MPI.COMM_WORLD
-MODULES = (conditions, contact, material, mesh_source, obstacle, scene, steps, values)
+MODULES = (conditions, contact, body, obstacle, scene, steps, values)
 
 
 def refusal(path, *settings):

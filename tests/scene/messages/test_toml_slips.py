@@ -6,8 +6,8 @@ import tomllib
 import pytest
 from mpi4py import MPI
 
-from fenics_contact.scene.messages.number_slips import meant_number
 from fenics_contact.scene.messages.toml_structure import what_is_wrong
+from fenics_contact.scene.messages.usual_names import meant_number
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of texts; one rank will do")
 

@@ -12,8 +12,8 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import InputError, Load, Material, MeshSource, Obstacle, Scene, Units
-from fenics_contact.scene.keys.reference import keys_of
 from fenics_contact.scene.reading import load_scene, scene_of_text
+from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.units.dimensions import LENGTH, PLACE, dimension_of
 from fenics_contact.scene.units.registry import factor
 from fenics_contact.scene.writing import scene_text

@@ -35,7 +35,7 @@ from fenics_contact import (
     main,
 )
 from fenics_contact.common.errors import MachineError
-from fenics_contact.common.interrupts import Interrupts
+from fenics_contact.common.failures import Interrupts
 from fenics_contact.simulation.restart import row_tables, sealed_arrays, state_file
 from fenics_contact.simulation.restart.state_file import StateFile
 from tests.scenes import PULLED_BLOCK, ROOT, box_body
@@ -538,7 +538,7 @@ def test_handlers_of_before_come_back_and_the_second_signal_kills():
         assert interrupts.requested()
     assert signal.getsignal(signal.SIGINT) is before
     text = (
-        "import os, signal\nfrom fenics_contact.common.interrupts import Interrupts\n"
+        "import os, signal\nfrom fenics_contact.common.failures import Interrupts\n"
         "with Interrupts():\n"
         "    os.kill(os.getpid(), signal.SIGTERM)\n    print('on', flush=True)\n"
         "    os.kill(os.getpid(), signal.SIGTERM)\n    print('still on', flush=True)\n"

@@ -22,8 +22,8 @@ from fenics_contact import (
     Support,
     run,
 )
+from fenics_contact.common import mumps
 from fenics_contact.common.errors import MachineError
-from fenics_contact.common.petsc import mumps
 from fenics_contact.common.timings import Timings
 from fenics_contact.solve.condensed.bulk import part_factors
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness

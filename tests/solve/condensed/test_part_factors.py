@@ -9,7 +9,7 @@ from mpi4py import MPI
 from scipy.sparse import block_diag, csr_matrix, diags, identity, kron
 
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Study, Support, run
-from fenics_contact.common.petsc import mumps
+from fenics_contact.common import mumps
 from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors, LocalFactor, RankFactor
 from fenics_contact.verification.block_pair import block
 

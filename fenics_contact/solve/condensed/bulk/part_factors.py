@@ -20,10 +20,10 @@ from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
+from fenics_contact.common import mumps
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
-from fenics_contact.common.petsc import mumps
-from fenics_contact.common.petsc.options import PREFIX
+from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
 from fenics_contact.solve.systems.petsc_library import call
 

@@ -10,9 +10,9 @@ from math import asinh, atan, cos, hypot, sin, sqrt
 import numpy as np
 
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.scene import Scene
 from fenics_contact.verification.case import Finding
 from fenics_contact.verification.hard.bodies import box

@@ -10,9 +10,9 @@ import numpy as np
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, Steps
 from fenics_contact.scene.values import Profile

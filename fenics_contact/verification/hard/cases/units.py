@@ -11,9 +11,9 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.material import Material
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene, Steps
 from fenics_contact.scene.values import Path

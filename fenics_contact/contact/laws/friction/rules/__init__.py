@@ -19,7 +19,7 @@ from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.laws.friction_laws import FRICTION_LAWS
-from fenics_contact.scene.laws.friction_table import FrictionLawTable
+from fenics_contact.scene.laws.law_tables import FrictionLawTable
 
 RULES: tuple[type[FrictionRule], ...] = (
     Coulomb,

@@ -13,8 +13,8 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import PydanticOmit
 
 from fenics_contact.common.program import VERSION
-from fenics_contact.scene.keys.reference import keys_of
 from fenics_contact.scene.quantity_names import pattern_of_quantities
+from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Profile
 

@@ -1,0 +1,230 @@
+"""Tables of laws: those with a kind, the base of friction laws, and parts of users' own laws."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Union, get_args
+
+from pydantic import (
+    Discriminator,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    Tag,
+    TypeAdapter,
+)
+from pydantic_core import core_schema
+
+from fenics_contact.scene.laws.formula import FUNCTIONS, Formula
+from fenics_contact.scene.values import Number, Value
+
+
+class TablesByKind:
+    """Marks a key that takes a table of one of some classes, whichever its ``kind`` names.
+
+    There can be more classes later. What is wrong with a table is said of its own class, and not of
+    all of them.
+
+    Args:
+        tables: The classes; the annotation of ``kind`` is a literal with its names, or of one of
+            them a text, of a class of the user's own.
+    """
+
+    def __init__(self, *tables: Any) -> None:
+        self._tables = tables
+        self._adapter: TypeAdapter[Any] | None = None
+
+    @property
+    def tables(self) -> tuple[Any, ...]:
+        """All classes, that of a user's own laws last."""
+        return tuple(sorted(self._tables, key=lambda table: not kinds_of(table)))
+
+    def register(self, table: Any) -> None:
+        """Accept tables of one more class.
+
+        Args:
+            table: A scene class, whose ``kind`` is a literal.
+
+        Raises:
+            ValueError: There is a table of this kind.
+        """
+        known = [kind for other in self._tables for kind in kinds_of(other)]
+        if twice := [kind for kind in kinds_of(table) if kind in known]:
+            raise ValueError(f"there is a table of the kind '{twice[0]}'")
+        self._tables, self._adapter = (*self._tables, table), None
+
+    def unregister(self, table: Any) -> None:
+        """Take out a class that was registered."""
+        self._tables = tuple(one for one in self._tables if one is not table)
+        self._adapter = None
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._made)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return handler(self._present.core_schema)
+
+    def _made(self, value: Any) -> Any:
+        return self._present.validate_python(value)
+
+    @property
+    def _present(self) -> TypeAdapter[Any]:
+        """One of the present classes, by the kind that is given."""
+        if self._adapter is None:
+            self._adapter = TypeAdapter(_chosen_by_kind(self.tables))
+        return self._adapter
+
+
+def _chosen_by_kind(tables: tuple[Any, ...]) -> Any:
+    of_kind = {kind: table for table in tables for kind in kinds_of(table)}
+    own = next((table for table in tables if not kinds_of(table)), None)
+    words = ", ".join(f"'{kind}'" for kind in of_kind) + (", 'MODULE:CLASS'" if own else "")
+    tagged = tuple(Annotated[table, Tag(table.__name__)] for table in tables)
+
+    def named(value: Any) -> str | None:
+        kind = value.get("kind") if isinstance(value, Mapping) else getattr(value, "kind", None)
+        table = of_kind.get(kind, own if ":" in kind else None) if isinstance(kind, str) else None
+        return None if table is None else table.__name__
+
+    return Annotated[
+        Union[tagged],  # noqa: UP007
+        Discriminator(
+            named,
+            custom_error_type="kind",
+            custom_error_message=f"a table whose kind is one of {words}",
+        ),
+    ]
+
+
+def kinds_of(table: Any) -> tuple[str, ...]:
+    """The names that a class takes for its kind; none where it takes any."""
+    found: tuple[str, ...] = get_args(table.__pydantic_fields__["kind"].annotation)
+    return found
+
+
+class FrictionLawTable:
+    """Base class of the tables of friction laws.
+
+    Attributes:
+        kind: By which results and messages name the law.
+        is_proportional: Whether it is one coefficient times the pressure.
+        needs_steps: Whether it follows the slip of load steps, as the incremental law has it.
+        needs_motion: Whether it follows velocities, which there are where bodies move.
+        is_regular: Whether its surfaces give way along each other, so that it needs no
+            regularisation.
+    """
+
+    kind: str
+    is_proportional: ClassVar[bool] = False
+    needs_steps: ClassVar[bool] = False
+    needs_motion: ClassVar[bool] = False
+    is_regular: ClassVar[bool] = False
+
+    @property
+    def fits_motion(self) -> bool:
+        """Whether it follows velocities, so that bodies in motion may have it."""
+        return self.is_proportional or self.needs_motion
+
+    @property
+    def at_rest(self) -> FrictionLawTable | None:
+        """The law between bodies that do not slide; None where that is Coulomb's."""
+        return self
+
+    @property
+    def shown(self) -> str:
+        """The law and its numbers in words, for results."""
+        keys: Any = self
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(keys)}
+        values |= values.pop("parameters", {})
+        words = [f"{key} {_shown(value)}" for key, value in values.items() if key != "kind"]
+        return f"{self.kind}: {', '.join(words)}" if words else self.kind
+
+    def require_model(self, kinematics: str, key: str) -> None:
+        """See that it fits the model.
+
+        Args:
+            kinematics: Of the scene.
+            key: Of the contact, for messages.
+
+        Raises:
+            ValueError: It does not.
+        """
+
+    def require_fit(self, kind: str, coefficient: Value) -> None:
+        """See that it fits the contact that it is of.
+
+        Args:
+            kind: The law across the contact, as results name it.
+            coefficient: The contact's friction_coefficient.
+
+        Raises:
+            ValueError: It does not.
+        """
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_shown, value))}]"
+    return f"{value:.4g}" if isinstance(value, float) else "varies" if callable(value) else value
+
+
+def require_increase(key: str, places: Sequence[float], shares: Sequence[float]) -> None:
+    """See that a table has as many places as shares, from 0 or more, one after the other.
+
+    Args:
+        key: Of the places.
+        places: At which shares are given.
+        shares: Given there.
+
+    Raises:
+        ValueError: It has not.
+    """
+    if len(places) != len(shares):
+        raise ValueError(f"{key} has {len(places)} entries and shares {len(shares)}")
+    if places[0] < 0 or any(b <= a for a, b in pairwise(places)):
+        raise ValueError(f"{key} must be ≥ 0 and increase")
+
+
+#: The kind of a law of a user's own: the name of its class.
+ClassName = Annotated[str, Field(pattern=r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$")]
+Parameters = Annotated[
+    Mapping[str, Number],
+    Field(description="name → number, in the scene's units; such as `{ c = 2e4 }`"),
+]
+#: What a formula may have, for descriptions of keys.
+LANGUAGE = (
+    "+ - * / ^, brackets, numbers, parameters and `sqrt`, `exp`, `ln`, `min`, `max`; it is read, "
+    "and never run as Python"
+)
+
+
+def require_formula(
+    key: str, text: str, parameters: Mapping[str, float], zero: Mapping[str, float]
+) -> None:
+    """See that a formula is one, has all parameters, and is 0 where it has to be.
+
+    Args:
+        key: That has the formula.
+        text: Of the formula.
+        parameters: That it is given.
+        zero: Its variables, at which it must be 0.
+
+    Raises:
+        ValueError: It is not.
+    """
+    for name in parameters:
+        if not name.isidentifier() or name in zero or name in FUNCTIONS:
+            raise ValueError(f"parameters: '{name}' is no name that a formula could use")
+    formula = Formula(text, (*zero, *parameters))
+    for name in parameters:
+        if name not in formula.used:
+            raise ValueError(f"parameters.{name} does not stand in the formula")
+    if found := formula.number({**zero, **parameters}):
+        first = next(iter(zero))
+        raise ValueError(f"{key} = '{text}' is {found:g} at {first} = 0, not 0")
