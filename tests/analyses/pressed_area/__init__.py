@@ -2,7 +2,7 @@
 
 from fenics_contact.analyses import registry
 from fenics_contact.analyses.analysis import Analysis
-from fenics_contact.scene.keys import extension
+from fenics_contact.scene.reference import add_key, remove_key
 from fenics_contact.scene.scene import Scene
 from tests.analyses.pressed_area.table import PRESSED_AREA
 
@@ -12,11 +12,11 @@ ANALYSIS = Analysis(package=__name__, tables=(KEY,), records=(KEY,), files=r"pre
 
 def register() -> None:
     """Make it known."""
-    extension.add_key(Scene, KEY, PRESSED_AREA)
+    add_key(Scene, KEY, PRESSED_AREA)
     registry.register(__name__)
 
 
 def unregister() -> None:
     """Make it unknown again."""
     registry.unregister(__name__)
-    extension.remove_key(Scene, KEY)
+    remove_key(Scene, KEY)

@@ -12,7 +12,7 @@ from fenics_contact.analyses import registry
 from fenics_contact.common.errors import SceneError
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.results.result_file import read_result
-from fenics_contact.scene.keys import reference
+from fenics_contact.scene import reference
 from fenics_contact.scene.schema import scene_schema
 from fenics_contact.scene.writing import scene_text
 from tests.analyses import pressed_area
