@@ -10,9 +10,13 @@ from typing import Any
 from fenics_contact import Discretisation, Obstacle, Scene, Steps
 from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.verification.published.friction import with_friction
-from fenics_contact.verification.published.point import HERTZ, half_space_scene, on_fixed_boundary
-from fenics_contact.verification.published.punch import annulus_scene
-from fenics_contact.verification.published.slab import slab_scene
+from fenics_contact.verification.published.indenters import (
+    HERTZ,
+    annulus_scene,
+    half_space_scene,
+    on_fixed_boundary,
+)
+from fenics_contact.verification.published.shear import slab_scene
 
 # A paraboloid (R = 8, d = 1, so a ≈ 2.83) on a square of side 60 that stands for a half-space.
 # "Uniform": cells of h everywhere. "Graded": cells of h on a square of side 4, then 3.2/h that

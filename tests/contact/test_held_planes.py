@@ -16,8 +16,7 @@ from fenics_contact import (
 )
 from fenics_contact.analytic.two_bodies import Tube
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.rings import quarter_rings
+from fenics_contact.verification.boxes import Box, boxes, quarter_rings
 
 COMM = MPI.COMM_WORLD
 STIFFNESS, RATIO = 2e5, 0.3

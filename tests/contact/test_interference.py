@@ -22,8 +22,7 @@ from fenics_contact import (
 from fenics_contact.analytic.two_bodies import Tube, pressure
 from fenics_contact.common.errors import SceneError
 from fenics_contact.simulation.restart.state_file import StateFile
-from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.rings import quarter_rings
+from fenics_contact.verification.boxes import Box, boxes, quarter_rings
 from tests.contact.fits import CONFINED, FIT, RATIO, STIFFNESS, balances, stack
 
 COMM = MPI.COMM_WORLD

@@ -7,8 +7,7 @@ from fenics_contact import Material, Run, Scene
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.curved_sides import halved_body
-from fenics_contact.verification.boxes import Box
-from fenics_contact.verification.rings import quarter_rings
+from fenics_contact.verification.boxes import Box, quarter_rings
 
 CASES = [
     *[((4, 6), cell) for cell in ("triangle", "quadrilateral")],

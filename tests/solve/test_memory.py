@@ -12,9 +12,14 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.solver_choice import contact_unknowns, memory_estimate, memory_terms
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.memory import check
-from fenics_contact.verification.memory.blocks import FLAT, square
+from fenics_contact.verification.memory.blocks import (
+    FLAT,
+    Seat,
+    body_of_seat,
+    scene_of_seat,
+    square,
+)
 from fenics_contact.verification.memory.check import COUNTS_FROM, LEAST, MOST, measured
-from fenics_contact.verification.memory.seat import Seat, body_of_seat, scene_of_seat
 from tests.conftest import COMM
 from tests.scenes import box_body
 

@@ -378,7 +378,7 @@ def test_no_number_is_cut_in_a_file(capsys):
 
 def test_wrong_solution_fails(monkeypatch):
     """Springs a hundredth too stiff."""
-    from fenics_contact.verification.published import point as point_cases
+    from fenics_contact.verification.published import indenters as point_cases
 
     (case,) = (case for case in verification.CASES if case.name == "springs")
     right = point_cases.solved

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Material, Obstacle, Run, Scene, SolverSettings, Support, run
 from fenics_contact.scene.scene import Steps
 from fenics_contact.verification.published.friction import with_friction
-from fenics_contact.verification.published.point import half_space_scene
+from fenics_contact.verification.published.indenters import half_space_scene
 from tests.common.test_parallel import assert_same
 from tests.scenes import box_body, with_solver
 

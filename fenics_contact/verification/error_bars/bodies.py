@@ -11,7 +11,7 @@ from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Point, Support
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene, Steps
-from fenics_contact.verification.block_pair import pair_scene, with_contact
+from fenics_contact.verification.boxes import pair_scene, with_contact
 from fenics_contact.verification.error_bars.case import (
     BarCase,
     Element,
@@ -19,7 +19,7 @@ from fenics_contact.verification.error_bars.case import (
     Parameters,
     of_element,
 )
-from fenics_contact.verification.hard.bodies import box
+from fenics_contact.verification.hard.scenes import box
 from fenics_contact.verification.published.hertz_pair import pressed_scene
 
 FINER = "the same on much finer meshes"
@@ -87,7 +87,7 @@ def _finer_pad(level: int, load: float) -> Model:
     return _pad("Q2", (3, 4)[level], load)
 
 
-CASES: tuple[BarCase, ...] = (
+BODIES_CASES: tuple[BarCase, ...] = (
     BarCase(
         name="blocks",
         summary="two blocks whose meshes do not match, μ = .1",

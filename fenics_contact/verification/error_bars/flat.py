@@ -23,11 +23,10 @@ from fenics_contact.verification.error_bars.case import (
     Parameters,
     of_element,
 )
-from fenics_contact.verification.hard.bodies import box
+from fenics_contact.verification.hard.scenes import box
 from fenics_contact.verification.published.friction import with_friction
-from fenics_contact.verification.published.point import MODULUS
-from fenics_contact.verification.published.punch import annulus_scene
-from fenics_contact.verification.published.slab import slab_scene, winkler_scene
+from fenics_contact.verification.published.indenters import MODULUS, annulus_scene
+from fenics_contact.verification.published.shear import slab_scene, winkler_scene
 
 FINER = "the same on much finer meshes"
 E, NU = 1000.0, 0.3
@@ -219,7 +218,7 @@ def _uniaxial(load: float) -> Quantities:
     }
 
 
-CASES: tuple[BarCase, ...] = (
+FLAT_CASES: tuple[BarCase, ...] = (
     BarCase(
         name="block",
         summary="block under uniform pressure",

@@ -23,7 +23,7 @@ from fenics_contact.verification.error_bars.case import (
     of_element,
 )
 from fenics_contact.verification.published.friction import with_friction
-from fenics_contact.verification.published.point import (
+from fenics_contact.verification.published.indenters import (
     JOHNSON,
     MATERIAL,
     MODULUS,
@@ -207,7 +207,7 @@ def _finer_cattaneo(level: int, load: float) -> Model:
     return Model(_strip((1 / 40, 1 / 60)[level], (32, 48)[level], (24, 48)[level]))
 
 
-CASES: tuple[BarCase, ...] = (
+ROUND_CASES: tuple[BarCase, ...] = (
     BarCase(
         name="sphere_0",
         summary="demo sphere without friction",

@@ -1,36 +1,31 @@
 """Hard cases: ``fenics-contact verify --hard``.
 
 Each is solved rightly, or ends in words that name the reason. A module of cases has a theme and
-ends with a tuple ``CASES``; the one below lists them all.
+ends with tuples of cases; the one below lists them all.
 """
 
 from fenics_contact.verification.hard.case import HardCase, HardOutcome, Trials
-from fenics_contact.verification.hard.cases import (
-    branches,
-    coefficients,
-    corners,
-    incompressible,
-    limit_loads,
-    materials,
-    meshes,
-    pairs,
-    parameters,
-    separation,
-    units,
-)
+from fenics_contact.verification.hard.cases.coefficients import BRANCHES_CASES, COEFFICIENTS_CASES
+from fenics_contact.verification.hard.cases.corners import CORNERS_CASES, INCOMPRESSIBLE_CASES
+from fenics_contact.verification.hard.cases.limit_loads import LIMIT_LOADS_CASES
+from fenics_contact.verification.hard.cases.materials import MATERIALS_CASES
+from fenics_contact.verification.hard.cases.meshes import MESHES_CASES
+from fenics_contact.verification.hard.cases.pairs import PAIRS_CASES
+from fenics_contact.verification.hard.cases.parameters import PARAMETERS_CASES, UNITS_CASES
+from fenics_contact.verification.hard.cases.separation import SEPARATION_CASES
 
 CASES: tuple[HardCase, ...] = (
-    *incompressible.CASES,
-    *parameters.CASES,
-    *coefficients.CASES,
-    *branches.CASES,
-    *limit_loads.CASES,
-    *separation.CASES,
-    *units.CASES,
-    *meshes.CASES,
-    *materials.CASES,
-    *corners.CASES,
-    *pairs.CASES,
+    *INCOMPRESSIBLE_CASES,
+    *PARAMETERS_CASES,
+    *COEFFICIENTS_CASES,
+    *BRANCHES_CASES,
+    *LIMIT_LOADS_CASES,
+    *SEPARATION_CASES,
+    *UNITS_CASES,
+    *MESHES_CASES,
+    *MATERIALS_CASES,
+    *CORNERS_CASES,
+    *PAIRS_CASES,
 )
 
 __all__ = ["CASES", "HardCase", "HardOutcome", "Trials"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
 
 from mpi4py import MPI
@@ -13,8 +14,92 @@ from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.parallel import on_root
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.verification.command import FAILED, chosen, require_folder
-from fenics_contact.verification.hard import CASES, table
+from fenics_contact.verification.hard import CASES
 from fenics_contact.verification.hard.case import HardCase, HardOutcome, run_hard_case
+
+_INTRODUCTION = """\
+# Hard cases
+
+Written by `fenics-contact verify --hard --table docs/hard_cases.md`; do not edit. `verify --hard`
+without the last two words prints the same; names of cases choose some, `--json FILE` writes all
+that was compared, and exit code 4 says that a case failed. Also under `mpirun -n N`.
+
+Every case has an answer that is known from elsewhere, or is known to have none. It *passes* if the
+program finds that answer within the limit, or ends without an answer, by exit code 2 (refused) or
+3 (not converged), where that is expected and in words that name the reason. A case that is given a
+wrong answer for good (exit code 0 and all checks passed) is **silently wrong**. An answer that a
+check of the physics refuses (exit code 4) is *untrusted*, and no pass.
+
+The row of a case has the run with the most Newton steps, or the one that gave no answer, and the
+finding that is nearest to its limit. Errors are relative, or absolute where marked abs. The limits
+are what the method promises: .1 % of a force with the automatic ε and ε₁, round-off where they do
+not matter, and the mesh's error against formulas of unbounded bodies. References by *exact
+inequalities* (`verification/hard/exact.py`) are solutions on the same mesh by an active-set method
+that has neither penalty nor regularisation, nor any of the program's contact terms or solvers.
+"""
+_HEAD = (
+    "| case | what is hard | expected | found | Newton | outer | quantity | value | reference | "
+    "error | limit | |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n"
+)
+
+
+def page(outcomes: Sequence[HardOutcome]) -> str:
+    """The page, in Markdown."""
+    text = f"{_INTRODUCTION}\n{summary(outcomes)}\n"
+    for theme, group in groupby(outcomes, key=lambda outcome: outcome.case.theme):
+        members = list(group)
+        text += f"\n## {theme}\n\n{_HEAD}"
+        text += "".join(f"| {' | '.join(cells(outcome))} |\n" for outcome in members)
+        text += "\nReferences:\n\n" + _sources(members)
+        said = [outcome for outcome in members if outcome.decisive.exit_code or outcome.note]
+        if said:
+            text += "\nWhat the program says:\n\n"
+            text += "".join(f"- `{o.case.name}`: {o.note or o.decisive.sentence}\n" for o in said)
+    return text
+
+
+def summary(outcomes: Sequence[HardOutcome]) -> str:
+    """How many ended how."""
+    passed = sum(outcome.passed for outcome in outcomes)
+    wrong = sum(outcome.is_silently_wrong for outcome in outcomes)
+    endings = [outcome.ending for outcome in outcomes]
+    counts = ", ".join(f"{endings.count(ending)} {ending}" for ending in dict.fromkeys(endings))
+    return (
+        f"{passed} of {len(outcomes)} cases passed ({counts}); "
+        f"{wrong or 'none'} {'is' if wrong == 1 else 'are'} silently wrong."
+    )
+
+
+def cells(outcome: HardOutcome) -> list[str]:
+    """A case's row."""
+    trial, worst = outcome.decisive, outcome.worst
+    compared = ["", "", "", "", ""]
+    if worst is not None:
+        compared = [
+            worst.quantity.replace("|", "\\|"),
+            f"{worst.value:.6g}",
+            f"{worst.reference:.6g}",
+            f"{worst.error:.1e}",
+            f"{worst.tolerance:.0e}{' abs' if worst.absolute else ''}",
+        ]
+    return [
+        outcome.case.name,
+        outcome.case.difficulty,
+        " or ".join(outcome.case.expected),
+        f"{outcome.ending} ({trial.exit_code})",
+        str(trial.newton),
+        str(trial.outer),
+        *compared,
+        outcome.judgement,
+    ]
+
+
+def _sources(outcomes: Sequence[HardOutcome]) -> str:
+    """Of a theme: each source once, with its cases."""
+    by_source: dict[str, list[str]] = {}
+    for outcome in outcomes:
+        by_source.setdefault(outcome.case.source, []).append(f"`{outcome.case.name}`")
+    return "".join(f"- {', '.join(names)}: {source}\n" for source, names in by_source.items())
 
 
 def verify_hard(
@@ -54,9 +139,7 @@ def verify_hard(
             console.print(line)
     passed = all(outcome.passed for outcome in outcomes)
     console.be_quiet(comm.rank > 0 or (quiet and passed))
-    console.print(
-        f"\n{table.summary(outcomes)} In {sum(outcome.seconds for outcome in outcomes):.0f} s."
-    )
+    console.print(f"\n{summary(outcomes)} In {sum(outcome.seconds for outcome in outcomes):.0f} s.")
     on_root(comm, lambda: _write(outcomes, json_file, table_file))
     return 0 if passed else FAILED
 
@@ -95,4 +178,4 @@ def _write(
         text = json.dumps(rows, indent=2, ensure_ascii=False) + "\n"
         replace_file(json_file, text.encode())
     if table_file is not None:
-        replace_file(table_file, table.page(outcomes).encode())
+        replace_file(table_file, page(outcomes).encode())

@@ -80,7 +80,7 @@ def _check(quick: bool) -> Iterator[Finding]:
     return findings_of(FEW if quick else ALL)
 
 
-CASES = (
+MEMORY_CASES = (
     Case(
         "memory",
         "estimates of memory by each solver, over measured",

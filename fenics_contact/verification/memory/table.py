@@ -8,10 +8,10 @@ from fenics_contact.verification.memory.blocks import (
     PAIRS,
     SMALL_FLAT_PAIR,
     Case,
+    Seat,
     slab,
     square,
 )
-from fenics_contact.verification.memory.seat import Seat
 
 MemoryRun = tuple[Case | Seat, str, int]
 

@@ -16,7 +16,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.solve.solver_choice import contact_unknowns, memory_terms, unknowns
 from fenics_contact.verification.memory.block_scenes import body_of, scene_of
-from fenics_contact.verification.memory.seat import Seat, body_of_seat, scene_of_seat
+from fenics_contact.verification.memory.blocks import Seat, body_of_seat, scene_of_seat
 from fenics_contact.verification.memory.table import SCENES
 
 # isort: split

@@ -16,7 +16,7 @@ from fenics_contact.scene.values import Path
 from fenics_contact.verification.case import Case, Finding, solved
 from fenics_contact.verification.published import shear as shear_cases
 from fenics_contact.verification.published.friction import with_friction
-from fenics_contact.verification.published.point import (
+from fenics_contact.verification.published.indenters import (
     HERTZ,
     INDENTATION,
     JOHNSON,
@@ -120,7 +120,7 @@ def _cycle(quick: bool) -> Iterator[Finding]:
             yield Finding(f"{label}, Q = ±{share:g} μP", lost, expected, 0.05)
 
 
-CASES: tuple[Case, ...] = (
+CYCLE_CASES: tuple[Case, ...] = (
     Case(
         "pressing",
         "paraboloid pressed and taken back",

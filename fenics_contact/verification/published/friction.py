@@ -1,38 +1,113 @@
-"""Contact with Coulomb friction: the paper's examples 2 to 4, and partial slip.
+"""Friction of published cases, and of a block on an incline.
 
-The static law acts on the total displacement, the incremental one on the slip of a load step.
+Contact with Coulomb friction: the paper's examples 2 to 4, and partial slip. The static law acts
+on the total displacement, the incremental one on the slip of a load step.
+
+A deformable block on a deformable slope, meshes that do not match: statics gives the forces. The
+slope rises by tan α towards +x and the block, of weight G, rests on it: on rough ground it stays
+with N = G cos α and T = G sin α; a horizontal push F that moves it up is G (μ + tan α) / (1 − μ
+tan α).
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
-from math import sqrt
+from math import atan, cos, hypot, sin, sqrt
 from typing import Any, Literal
 
 from fenics_contact.analytic import contact as formulas
+from fenics_contact.common.errors import NoEquilibriumError
 from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Support
+from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
+from fenics_contact.simulation.runs import run
+from fenics_contact.verification.boxes import LOWER, UPPER, block
 from fenics_contact.verification.case import Case, Finding, of_quantity, solved
-from fenics_contact.verification.published.point import (
+from fenics_contact.verification.published.indenters import (
     HERTZ,
     INDENTATION,
     JOHNSON,
     MATERIAL,
     RADIUS,
     YOUNGS_MODULUS,
+    annulus_scene,
     half_space_scene,
 )
-from fenics_contact.verification.published.punch import annulus_scene
-from fenics_contact.verification.published.slab import winkler_scene
+from fenics_contact.verification.published.shear import winkler_scene
 
-_COEFFICIENT = 0.6
+_SLOPE, _COEFFICIENT, _TOO_SMOOTH = 0.1, 0.3, 0.099
+_WEIGHT = 2.0
+_LENGTH, _HEIGHT = 2.0, 1.0
+_MODULI = {LOWER: 1000.0, UPPER: 3000.0}
+# More than the parts' deformations, and little of their size.
+_PUSHED = 0.01
+
+
+def incline_scene(coefficient: float, pushed: float | None = None) -> Scene:
+    """A block on a slope.
+
+    Args:
+        coefficient: Of friction.
+        pushed: How far the block's rear is moved, horizontally (length); None leaves it free.
+    """
+    rear = () if pushed is None else (Support("upper.left", {"x": pushed}),)
+    weight = _WEIGHT / (_LENGTH * _HEIGHT)
+    return Scene(
+        kinematics="plane strain",
+        mesh=(
+            block(LOWER, 14, slope=_SLOPE, left=-2, length=6, cells_across=3),
+            block(UPPER, 9, slope=_SLOPE, length=_LENGTH, height=_HEIGHT, cells_across=4),
+        ),
+        material=tuple(Material(modulus, 0.3, on=name) for name, modulus in _MODULI.items()),
+        support=(Support("lower.bottom", {"x": 0, "y": 0}), *rear),
+        load=(Load(UPPER, body_force=(0, -weight)),),
+        contact=(Contact("upper.bottom", against="lower.top", friction_coefficient=coefficient),),
+        solver=SolverSettings(tolerance=1e-12, outer_tolerance=1e-10),
+    )
+
+
+def _pushed(quick: bool) -> Iterator[Finding]:
+    result = solved(incline_scene(_COEFFICIENT, _PUSHED))
+    (rear,) = (row["reaction"] for row in result.supports if row["on"] == "upper.left")
+    expected = (_COEFFICIENT + _SLOPE) / (1 - _COEFFICIENT * _SLOPE)
+    yield Finding("F / G", rear[0] / _WEIGHT, expected, 1e-8, absolute=True)
+
+
+def _resting(quick: bool) -> Iterator[Finding]:
+    angle = atan(_SLOPE)
+    quantities = solved(incline_scene(_COEFFICIENT)).quantities
+    normal = quantities["normal_force"]
+    yield Finding("normal_force", normal, _WEIGHT * cos(angle), 1e-9)
+    friction = hypot(*quantities["friction_force"])
+    yield Finding("|friction_force|", friction, _WEIGHT * sin(angle), 1e-9)
+    yield Finding("answers with friction too small", _answers(), 0, 0, absolute=True)
+
+
+def _answers() -> float:
+    """Number of answers to a block that slides down: it is to be refused."""
+    try:
+        return float(run(incline_scene(_TOO_SMOOTH)).converged)
+    except NoEquilibriumError:
+        return 0.0
+
+
+INCLINE_CASES: tuple[Case, ...] = (
+    Case(
+        "incline", "block pushed up a slope, both deformable", "statics of a rigid block", _pushed
+    ),
+    Case(
+        "resting", "block at rest on a slope, both deformable", "statics of a rigid block", _resting
+    ),
+)
+
+
+_COEFFICIENT_FRICTION = 0.6
 # Static law: forces at the same indentation, peaks at the same force, stick over contact radius.
 _FORCE_RATIO, _PEAK_RATIO, _STICK_RATIO = 1.0247, 1.0764, 0.765
 # Incremental law: number of equal steps in the indentation → stick over contact radius.
@@ -83,18 +158,20 @@ def _ratio(scene: Scene, coefficient: float, quantity: str) -> tuple[float, Resu
 
 def _sphere(quick: bool) -> Iterator[Finding]:
     pressed = _paraboloid_scene(_QUICK_MESH if quick else None, indentation=INDENTATION)
-    ratio, rough = _ratio(pressed, _COEFFICIENT, "normal_force")
+    ratio, rough = _ratio(pressed, _COEFFICIENT_FRICTION, "normal_force")
     yield Finding("force, with / without friction", ratio, _FORCE_RATIO, 1e-3, absolute=True)
     yield Finding("stick / contact radius", stick_ratio(rough), _STICK_RATIO, 1e-2, absolute=True)
     if not quick:
         loaded = _paraboloid_scene(force=HERTZ.force)
-        ratio, _ = _ratio(loaded, _COEFFICIENT, "max_contact_pressure")
+        ratio, _ = _ratio(loaded, _COEFFICIENT_FRICTION, "max_contact_pressure")
         yield Finding("peak, with / without friction", ratio, _PEAK_RATIO, 2e-3, absolute=True)
 
 
 def _steps(quick: bool) -> Iterator[Finding]:
     scene = with_friction(
-        _paraboloid_scene(_STEPS_MESH, indentation=INDENTATION), _COEFFICIENT, "incremental"
+        _paraboloid_scene(_STEPS_MESH, indentation=INDENTATION),
+        _COEFFICIENT_FRICTION,
+        "incremental",
     )
     scene = dataclasses.replace(scene, solver=SolverSettings(strategy="monolithic"))
     for number, expected in _STICK_RATIOS.items():
@@ -130,7 +207,7 @@ def _block(quick: bool) -> Iterator[Finding]:
             ),
         ),
     )
-    ratio, _ = _ratio(scene, _COEFFICIENT, "max_contact_pressure")
+    ratio, _ = _ratio(scene, _COEFFICIENT_FRICTION, "max_contact_pressure")
     yield Finding("peak, with / without friction", ratio, _BLOCK_PEAK_RATIO, 5e-3, absolute=True)
 
 
@@ -182,7 +259,7 @@ def _cattaneo(quick: bool) -> Iterator[Finding]:
         yield Finding(label, ratio, sqrt(1 - share), 0.015, absolute=True)
 
 
-CASES: tuple[Case, ...] = (
+FRICTION_CASES: tuple[Case, ...] = (
     Case(
         "friction_sphere",
         "paraboloid with friction, static law",

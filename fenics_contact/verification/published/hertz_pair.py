@@ -20,7 +20,7 @@ from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.verification.case import Case, Finding, of_quantity, solved
-from fenics_contact.verification.published.point import JOHNSON, MATERIAL, MODULUS
+from fenics_contact.verification.published.indenters import JOHNSON, MATERIAL, MODULUS
 
 Kinematics = Literal["plane strain", "axisymmetric"]
 
@@ -198,7 +198,7 @@ def _cattaneo(quick: bool) -> Iterator[Finding]:
         yield Finding(label, worst, 0, tolerance, absolute=True)
 
 
-CASES: tuple[Case, ...] = (
+HERTZ_PAIR_CASES: tuple[Case, ...] = (
     Case(
         "hertz_cylinders",
         "two equal elastic cylinders",

@@ -110,7 +110,7 @@ def _nonlocal(quick: bool) -> Iterator[Finding]:
         yield from _partly()
 
 
-CASES: tuple[Case, ...] = (
+NONLOCAL_FRICTION_CASES: tuple[Case, ...] = (
     Case(
         "nonlocal",
         "nonlocal friction of two equal cylinders, sliding and partly sliding",

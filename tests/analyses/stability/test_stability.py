@@ -29,7 +29,7 @@ from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.motion.sliding_block import (
+from fenics_contact.verification.sliding import (
     growth_in_time,
     moving_block,
     sliding_block,

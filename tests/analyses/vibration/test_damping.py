@@ -12,8 +12,7 @@ from fenics_contact.cli.summary import _conditions as conditions
 from fenics_contact.common.errors import SceneError
 from fenics_contact.results.result_file import read_result
 from fenics_contact.simulation.output.run_folder import solve_and_write
-from fenics_contact.verification.vibration.bar import bar, bar_body, bar_scene
-from fenics_contact.verification.vibration.driven import Joint, compared
+from fenics_contact.verification.vibration import Joint, bar, bar_body, bar_scene, compared
 
 COMM = MPI.COMM_WORLD
 FORCES = (1.0, 3.0)

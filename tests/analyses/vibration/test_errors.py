@@ -11,7 +11,7 @@ from fenics_contact.analyses.vibration.errors import _rows
 from fenics_contact.analyses.vibration.files import damping_rows as rows_of_file
 from fenics_contact.analyses.vibration.words import damping_rows, mode_rows
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.vibration import bar
+from fenics_contact.verification.vibration import bar_scene
 
 pytestmark = pytest.mark.errors
 
@@ -31,7 +31,7 @@ def bar_of(cell):
 
 
 def driven(errors, limit=LIMIT, cell="triangle"):
-    scene = bar.bar_scene()
+    scene = bar_scene()
     contact = dataclasses.replace(scene.contact[0], friction_coefficient=limit)
     scene = dataclasses.replace(
         scene,

@@ -22,7 +22,7 @@ from fenics_contact.analyses.vibration.mode_pictures import draw_mode_film, draw
 from fenics_contact.report.drawing.fields import read_modes
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.simulation.output.run_folder import write
-from fenics_contact.verification.motion.sliding_block import sliding_block
+from fenics_contact.verification.sliding import sliding_block
 from tests.scenes import box_body
 
 pytest.importorskip("pyvista")

@@ -14,7 +14,7 @@ from fenics_contact.scene.values import CONSTANT
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.laws.micro_slip import CASES
+from fenics_contact.verification.laws.friction_bounds import MICRO_SLIP_CASES
 from tests.contact.laws.test_by_points import both, displaced, matrix_of, use_friction
 from tests.contact.laws.test_friction_rules import rubbed, sheared
 from tests.scenes import box_body
@@ -68,7 +68,7 @@ def carried(path, longest=LONGEST):
     return elastic
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", MICRO_SLIP_CASES, ids=lambda case: case.name)
 def test_a_bar_and_a_block_are_as_their_formulas_say(case):
     for finding in case.run(True):
         assert finding.passed, finding

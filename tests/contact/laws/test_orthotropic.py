@@ -26,15 +26,15 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.trust.checks.run_checks import run_checks
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.laws.orthotropic import (
+from fenics_contact.verification.laws.friction_bounds import LENGTH, block_of, stiff_block
+from fenics_contact.verification.laws.torque import (
     ACROSS,
     ALONG,
     AXES,
-    CASES,
+    ORTHOTROPIC_CASES,
     sliding_friction,
     starting_to_slide,
 )
-from fenics_contact.verification.laws.stiff_block import LENGTH, block_of, stiff_block
 from tests.contact.laws.test_by_points import both, displaced, matrix_of, use_friction
 from tests.scenes import box_body, with_solver
 from tests.simulation.restart.test_state_file import resumed, stopped_after
@@ -256,7 +256,7 @@ def test_the_true_tangent_is_the_derivative_of_the_traction():
         assert np.abs(quotient - expected)[clear].max(initial=0.0) <= 1e-5 * scale
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", ORTHOTROPIC_CASES, ids=lambda case: case.name)
 def test_dragged_blocks_and_the_start_of_sliding_meet_the_formulas(case):
     for finding in case.run(True):
         assert finding.passed, finding

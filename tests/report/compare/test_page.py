@@ -16,7 +16,7 @@ from fenics_contact.report.compare import page as compare_page
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.words.rounding import rounded
 from fenics_contact.simulation.output import run_folder as files
-from fenics_contact.verification.motion.bars import bar_on_wall
+from fenics_contact.verification.impacts import bar_on_wall
 from tests.report.page.test_page import Reader
 from tests.report.test_gallery import coarse  # noqa: F401
 from tests.scenes import PULLED_BLOCK, box_body, slab

@@ -16,7 +16,7 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.motion.bars import along
+from fenics_contact.verification.impacts import along
 
 COEFFICIENT, POWER, SPEED = 4e3, 2, 0.5
 # Where ½ m v² = A c d³/3, of a block of mass and area 1.

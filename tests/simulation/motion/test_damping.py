@@ -19,14 +19,14 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.motion.bars import (
+from fenics_contact.verification.impacts import (
     along,
     bar_on_wall,
     force_of_wave,
     times_of,
     worst_defect,
 )
-from fenics_contact.verification.motion.oscillator import oscillator
+from fenics_contact.verification.sliding import oscillator
 from tests.scenes import box_body
 
 

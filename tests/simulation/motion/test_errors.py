@@ -8,10 +8,9 @@ import pytest
 from fenics_contact import Discretisation, Material, Motion, Run, Scene, SolverSettings, Support
 from fenics_contact.common.errors import MachineError
 from fenics_contact.simulation.motion_errors import MotionErrors
-from fenics_contact.verification.boxes import Box
-from fenics_contact.verification.motion.bars import bar_on_wall
-from fenics_contact.verification.motion.oscillator import LARGEST_FRICTION, oscillator
-from fenics_contact.verification.rings import quarter_rings
+from fenics_contact.verification.boxes import Box, quarter_rings
+from fenics_contact.verification.impacts import bar_on_wall
+from fenics_contact.verification.sliding import LARGEST_FRICTION, oscillator
 
 pytestmark = pytest.mark.errors
 

@@ -21,8 +21,14 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.motion.ball import ball_scene, force_that_stops, resting_scene
-from fenics_contact.verification.motion.bars import along, bar_on_wall, times_of
+from fenics_contact.verification.impacts import (
+    along,
+    ball_scene,
+    bar_on_wall,
+    force_that_stops,
+    resting_scene,
+    times_of,
+)
 from tests.scenes import box_body
 
 ALWAYS = Path(time=(0.0,), factor=(1.0,))

@@ -20,7 +20,7 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.motion.bars import along, times_of
+from fenics_contact.verification.impacts import along, times_of
 
 # A bar of length 10, fixed at one end, with waves of speed 10, pulled at the other from time 0 on.
 LENGTH, YOUNG, PULL = 10.0, 100.0, 1.0

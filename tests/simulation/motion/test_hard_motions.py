@@ -17,8 +17,8 @@ from fenics_contact import (
     Scene,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.hard.bodies import box
-from fenics_contact.verification.motion.bars import along, worst_defect
+from fenics_contact.verification.hard.scenes import box
+from fenics_contact.verification.impacts import along, worst_defect
 
 MATERIAL = (Material(1000.0, 0.3, density=1.0),)
 FLOOR = Obstacle("plane", position=(0.0, 0.0), normal=(0.0, 1.0))

@@ -21,16 +21,17 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.motion.ball import force_that_stops, jerk
-from fenics_contact.verification.motion.bars import (
+from fenics_contact.verification.impacts import (
     along,
     bar_on_wall,
     force_of_wave,
+    force_that_stops,
+    jerk,
     times_of,
     touching,
     worst_defect,
 )
-from fenics_contact.verification.motion.oscillator import (
+from fenics_contact.verification.sliding import (
     LARGEST_FRICTION,
     oscillator,
     period_of,

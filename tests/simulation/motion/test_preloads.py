@@ -22,7 +22,7 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.motion.bars import along, times_of
+from fenics_contact.verification.impacts import along, times_of
 
 ALWAYS = Path(time=(0.0,), factor=(1.0,))
 FORCE, LENGTH, STIFFNESS, MASS = 3.0, 10.0, 100.0, 2.0

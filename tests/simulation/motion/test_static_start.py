@@ -20,7 +20,7 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.motion.bars import along, times_of
+from fenics_contact.verification.impacts import along, times_of
 from tests.scenes import box_body
 
 ALWAYS = Path(time=(0.0,), factor=(1.0,))

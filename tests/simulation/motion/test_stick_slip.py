@@ -17,8 +17,8 @@ from fenics_contact import (
     SpeedDependentFriction,
     Support,
 )
-from fenics_contact.verification.motion.bars import along
-from fenics_contact.verification.motion.belt import belt, period_of
+from fenics_contact.verification.impacts import along
+from fenics_contact.verification.sliding import belt, period_on_belt
 from tests.scenes import box_body
 
 ALWAYS = Path(time=(0.0,), factor=(1.0,))
@@ -74,7 +74,7 @@ def test_what_slides_carries_the_share_of_its_speed(dimension):
 
 def test_a_mass_sticks_and_slips_by_turns():
     """As often as the formula says."""
-    assert period_of(solved(*belt(100, 2.8))) == pytest.approx(1, abs=5e-3)
+    assert period_on_belt(solved(*belt(100, 2.8))) == pytest.approx(1, abs=5e-3)
 
 
 def test_it_rests_on_the_belt_in_between():
@@ -88,7 +88,7 @@ def test_it_rests_on_the_belt_in_between():
 
 def test_another_fall_of_friction_has_another_period():
     """The comparison sees a coefficient that is 10 % off."""
-    assert abs(period_of(solved(*belt(50, 2.8, kinetic=0.6))) - 1) > 0.05
+    assert abs(period_on_belt(solved(*belt(50, 2.8, kinetic=0.6))) - 1) > 0.05
 
 
 def test_without_motion_it_is_refused():

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from fenics_contact import Obstacle, SolverSettings, Steps, run
-from fenics_contact.verification.published.point import half_space_scene
+from fenics_contact.verification.published.indenters import half_space_scene
 
 STEPS, MOST = 5, 40
 

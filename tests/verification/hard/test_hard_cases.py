@@ -13,12 +13,12 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.trust.checks.resultants import equilibrium
 from fenics_contact.verification import Finding
 from fenics_contact.verification.hard import CASES, HardCase
-from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.case import ReferenceFailedError, Trial, run_hard_case
-from fenics_contact.verification.hard.cases.branches import branches
+from fenics_contact.verification.hard.cases.coefficients import branches
 from fenics_contact.verification.hard.command import verify_hard
 from fenics_contact.verification.hard.exact import STICK, exact_answer, statuses_of
 from fenics_contact.verification.hard.scenes import (
+    box,
     compared,
     driven_body,
     driven_scene,

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from fenics_contact.analytic import fretting_limit
-from fenics_contact.verification.laws.wear_limit import compared, rubbed_scene
+from fenics_contact.verification.laws.wear import compared, rubbed_scene
 from fenics_contact.verification.published.shear import HERTZ
 
 

@@ -1,26 +1,46 @@
-"""Contacts that meet at a corner, share nodes with supports, or have a single facet."""
+"""Hard cases at corners, and of bodies that keep their volume."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 from mpi4py import MPI
 
+from fenics_contact.analytic import contact as formulas
+from fenics_contact.common.program import mesh_file
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
-from fenics_contact.scene.obstacle import Obstacle
-from fenics_contact.scene.scene import Discretisation, Scene
+from fenics_contact.scene.obstacle import HalfSpace, Obstacle
+from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
 from fenics_contact.verification.case import Finding
-from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.case import HardCase, Trials
 from fenics_contact.verification.hard.exact import exact_answer, statuses_of
-from fenics_contact.verification.hard.scenes import ASIDE, EXACT, NU, E, compared, plane_scene
+from fenics_contact.verification.hard.scenes import (
+    ASIDE,
+    EXACT,
+    NU,
+    ROLLER,
+    E,
+    box,
+    compared,
+    plane_scene,
+)
+from fenics_contact.verification.published.friction import with_friction
+from fenics_contact.verification.published.indenters import (
+    INDENTATION,
+    JOHNSON,
+    RADIUS,
+    YOUNGS_MODULUS,
+    half_space_scene,
+)
 
-THEME = "Corners, shared nodes and single facets"
+_THEME = "Corners, shared nodes and single facets"
 _DOWN, _ASIDE = 10.0, 6.0
 _UNIFORM = "uniform stress"
 
@@ -131,24 +151,24 @@ def _one_point(trials: Trials) -> Iterator[Finding]:
     yield from compared(result, exact_answer(scene, _shared_body), 1e-3)
 
 
-CASES: tuple[HardCase, ...] = (
-    HardCase("corner", THEME, "floor and wall meet at a corner", _UNIFORM, _corner),
+CORNERS_CASES: tuple[HardCase, ...] = (
+    HardCase("corner", _THEME, "floor and wall meet at a corner", _UNIFORM, _corner),
     HardCase(
         "corner_rough",
-        THEME,
+        _THEME,
         "the same with friction, held by nothing else",
         "floor and wall exchanged",
         _mirrored_corner,
     ),
-    HardCase("slot", THEME, "floor and two walls that squeeze", _UNIFORM, _slot),
+    HardCase("slot", _THEME, "floor and two walls that squeeze", _UNIFORM, _slot),
     HardCase(
-        "shared_nodes", THEME, "a corner both clamped and in contact", EXACT, partial(_shared, 0.0)
+        "shared_nodes", _THEME, "a corner both clamped and in contact", EXACT, partial(_shared, 0.0)
     ),
-    HardCase("shared_nodes_rough", THEME, "the same with friction", EXACT, partial(_shared, 0.5)),
+    HardCase("shared_nodes_rough", _THEME, "the same with friction", EXACT, partial(_shared, 0.5)),
     *(
         HardCase(
             f"one_facet_{kinematics.replace(' ', '_')}_{degree}",
-            THEME,
+            _THEME,
             f"a contact of one facet, {kinematics}, degree {degree}",
             _UNIFORM,
             partial(_one_facet, kinematics, degree),
@@ -157,10 +177,108 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "one_facet_sliding",
-        THEME,
+        _THEME,
         "one facet that slides",
         f"Coulomb's law; {EXACT}",
         _one_facet_sliding,
     ),
-    HardCase("one_point", THEME, "a contact in a single point", EXACT, _one_point),
+    HardCase("one_point", _THEME, "a contact in a single point", EXACT, _one_point),
+)
+
+
+_THEME_INCOMPRESSIBLE = "Nearly incompressible"
+_RATIOS = (0.49, 0.499, 0.4999, 0.49999)
+_LIMIT = 1e-2
+_PARABOLOID = Obstacle("paraboloid", radius=RADIUS, indentation=INDENTATION)
+
+
+def _hertz(ratio: float) -> formulas.HertzContact:
+    modulus = formulas.plane_strain_modulus(YOUNGS_MODULUS, ratio)
+    return formulas.paraboloid(modulus, RADIUS, INDENTATION)
+
+
+def _compared(trials: Trials, scene: Scene, ratio: float, share: int = 1) -> Iterator[Finding]:
+    """Force and peak pressure against Hertz's; one of `share` parts of the body is modelled."""
+    quantities = trials.solve(scene).quantities
+    exact = _hertz(ratio)
+    yield Finding("normal_force", share * quantities["normal_force"], exact.force, _LIMIT)
+    yield Finding("max_contact_pressure", quantities["max_contact_pressure"], exact.peak, _LIMIT)
+
+
+def _axisymmetric(ratio: float, coefficient: float, trials: Trials) -> Iterator[Finding]:
+    scene = dataclasses.replace(
+        half_space_scene(_PARABOLOID), material=(Material(YOUNGS_MODULUS, ratio),)
+    )
+    if coefficient > 0:
+        scene = with_friction(scene, coefficient)
+    yield from _compared(trials, scene, ratio)
+
+
+def _in_space(ratio: float, trials: Trials) -> Iterator[Finding]:
+    scene = Scene(
+        kinematics="3D",
+        mesh=(
+            MeshSource(
+                mesh_file("quarter_space.geo"),
+                parameters={"hexahedra": 1, "size": 0.6, "cells_outside": 5},
+            ),
+        ),
+        material=(Material(YOUNGS_MODULUS, ratio),),
+        discretisation=Discretisation(2),
+        symmetry=("symmetry_x", "symmetry_y"),
+        half_space=HalfSpace(("outer",)),
+        contact=(Contact("contact", obstacle=_PARABOLOID),),
+    )
+    yield from _compared(trials, scene, ratio, share=4)
+
+
+def _confined(ratio: float, trials: Trials) -> Iterator[Finding]:
+    """Between walls: the stiffness is that of compression waves, far above E."""
+    depth = 1e-5
+    walls = tuple(Support(side, {"x": 0}) for side in ("left", "right"))
+    scene = plane_scene(
+        Contact("top", obstacle=Obstacle("plane", position=(0, 1), indentation=depth)),
+        (ROLLER, *walls),
+        material=(Material(YOUNGS_MODULUS, ratio),),
+    )
+    quantities = trials.solve(scene, box((4, 4))).quantities
+    modulus = YOUNGS_MODULUS * (1 - ratio) / ((1 + ratio) * (1 - 2 * ratio))
+    yield Finding("normal_force", quantities["normal_force"], depth * modulus, 1e-3)
+
+
+INCOMPRESSIBLE_CASES: tuple[HardCase, ...] = (
+    *(
+        HardCase(
+            f"hertz_nu_{ratio:g}",
+            _THEME_INCOMPRESSIBLE,
+            f"ν = {ratio:g}, paraboloid on a half-space",
+            f"{JOHNSON}, (4.22)-(4.24)",
+            partial(_axisymmetric, ratio, 0.0),
+        )
+        for ratio in _RATIOS
+    ),
+    *(
+        HardCase(
+            f"hertz_3d_nu_{ratio:g}",
+            _THEME_INCOMPRESSIBLE,
+            f"ν = {ratio:g}, the same in 3D, a quarter",
+            f"{JOHNSON}, (4.22)-(4.24)",
+            partial(_in_space, ratio),
+        )
+        for ratio in _RATIOS
+    ),
+    HardCase(
+        "friction_nu_0.49999",
+        _THEME_INCOMPRESSIBLE,
+        "ν = 0.49999 and μ = 0.6: pressing moves no surface sideways",
+        f"{JOHNSON}, (4.22)-(4.24); section 5.1: no coupling at ν = ½",
+        partial(_axisymmetric, 0.49999, 0.6),
+    ),
+    HardCase(
+        "confined_nu_0.49999",
+        _THEME_INCOMPRESSIBLE,
+        "confined between walls, 16,000 times as stiff as E",
+        "uniaxial strain, E (1 − ν)/((1 + ν)(1 − 2ν))",
+        partial(_confined, 0.49999),
+    ),
 )

@@ -15,13 +15,12 @@ from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.scene import Scene
 from fenics_contact.verification.case import Finding
-from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.case import Ending, HardCase, Trials
-from fenics_contact.verification.hard.scenes import NU, SPECIFICATION, STATICS, E, plane_scene
-from fenics_contact.verification.published.incline import incline_scene
-from fenics_contact.verification.published.slab import slab_scene
+from fenics_contact.verification.hard.scenes import NU, SPECIFICATION, STATICS, E, box, plane_scene
+from fenics_contact.verification.published.friction import incline_scene
+from fenics_contact.verification.published.shear import slab_scene
 
-THEME = "At the limit load"
+_THEME = "At the limit load"
 # The slab's friction: bound 90 over a length of 8.
 _SLAB_LIMIT = 720.0
 # ∫ |r| over the unit square about its middle: what a bound of 1 resists.
@@ -113,11 +112,11 @@ def _pushed(side: float, trials: Trials) -> Iterator[Finding]:
 
 
 _FRICTION = "times what friction can hold"
-CASES: tuple[HardCase, ...] = (
+LIMIT_LOADS_CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"slab_{load:.2f}",
-            THEME,
+            _THEME,
             f"slab held by friction alone, end load {load:.2f}, limit 720",
             f"limit g·8 = 720: {SPECIFICATION}",
             partial(_slab, load),
@@ -129,7 +128,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"pad_{share:g}",
-            THEME,
+            _THEME,
             f"twisted pad in 3D, {share:g} of the limit torque .38260",
             "limit torque g ∫ |r| = (√2 + asinh 1)/6",
             partial(_pad, share),
@@ -141,7 +140,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"tipping_{side:g}",
-            THEME,
+            _THEME,
             f"block pushed at its top by {side:g}, tips at 2.5",
             STATICS,
             partial(_tipping, side),
@@ -153,7 +152,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"incline_{coefficient:g}",
-            THEME,
+            _THEME,
             f"two bodies, a slope of 0.1 and μ = {coefficient:g}",
             STATICS,
             partial(_incline, coefficient),
@@ -165,7 +164,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"pushed_{side:g}",
-            THEME,
+            _THEME,
             f"block pushed by {side:g} on a floor that holds 5",
             STATICS,
             partial(_pushed, side),

@@ -20,7 +20,6 @@ from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.obstacle import HalfSpace, Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene
 from fenics_contact.verification.case import Finding
-from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.case import HardCase, Trials
 from fenics_contact.verification.hard.exact import exact_answer
 from fenics_contact.verification.hard.scenes import (
@@ -29,14 +28,20 @@ from fenics_contact.verification.hard.scenes import (
     NU,
     ROLLER,
     E,
+    box,
     compared,
     driven_body,
     driven_scene,
     plane_scene,
 )
-from fenics_contact.verification.published.point import JOHNSON, MATERIAL, MODULUS, half_space_scene
+from fenics_contact.verification.published.indenters import (
+    JOHNSON,
+    MATERIAL,
+    MODULUS,
+    half_space_scene,
+)
 
-THEME = "Material jumps and flat punches"
+_THEME = "Material jumps and flat punches"
 _JUMP = 1e6
 _DEPTH = 0.01
 
@@ -165,38 +170,38 @@ def _strip_punch(trials: Trials) -> Iterator[Finding]:
         yield Finding(f"pressure at x = {place:g} a", pressure, exact, 2e-2)
 
 
-CASES: tuple[HardCase, ...] = (
+MATERIALS_CASES: tuple[HardCase, ...] = (
     HardCase(
         "soft_below",
-        THEME,
+        _THEME,
         "confined layers, the upper one 1e6 times as stiff",
         "springs in series",
         partial(_series, E, E * _JUMP),
     ),
     HardCase(
         "soft_above",
-        THEME,
+        _THEME,
         "confined layers, the lower one 1e6 times as stiff",
         "springs in series",
         partial(_series, E * _JUMP, E),
     ),
     HardCase(
         "columns",
-        THEME,
+        _THEME,
         "columns side by side, one 1e6 times as stiff",
         "springs in parallel",
         _parallel,
     ),
     HardCase(
         "layer",
-        THEME,
+        _THEME,
         "parabola on a layer on a substrate 1e6 times as stiff",
         f"the layer clamped: {EXACT}",
         _layer,
     ),
     HardCase(
         "plate",
-        THEME,
+        _THEME,
         "driven block with a plate on it 1e6 times as stiff",
         f"without the plate, its top driven: {EXACT}",
         _plate,
@@ -204,7 +209,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"inclusion_{factor:.0e}",
-            THEME,
+            _THEME,
             f"driven block with a square inside, {factor:.0e} times as stiff",
             EXACT,
             partial(_inclusion, factor),
@@ -213,14 +218,14 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "round_punch",
-        THEME,
+        _THEME,
         "flat round punch, pressure without bound at its edge",
         f"{JOHNSON}, section 3.4",
         _round_punch,
     ),
     HardCase(
         "strip_punch",
-        THEME,
+        _THEME,
         "flat punch in plane strain, by force",
         f"{JOHNSON}, section 2.8",
         _strip_punch,

@@ -18,12 +18,11 @@ from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, Scene
-from fenics_contact.verification.block_pair import LOWER, UPPER, block
+from fenics_contact.verification.boxes import LOWER, UPPER, block
 from fenics_contact.verification.case import Finding
-from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.case import HardCase, Trials
-from fenics_contact.verification.hard.scenes import ASIDE, NU, E, plane_scene
-from fenics_contact.verification.published.point import (
+from fenics_contact.verification.hard.scenes import ASIDE, NU, E, box, plane_scene
+from fenics_contact.verification.published.indenters import (
     HERTZ,
     INDENTATION,
     JOHNSON,
@@ -31,7 +30,7 @@ from fenics_contact.verification.published.point import (
     half_space_scene,
 )
 
-THEME = "Graded and distorted meshes"
+_THEME = "Graded and distorted meshes"
 _PRESSURE = 10.0
 _PATCH_LIMIT = 1e-7
 _EXACT = "a uniform pressure is exact on any mesh"
@@ -157,11 +156,11 @@ def _flat_pair(aspect: float, trials: Trials) -> Iterator[Finding]:
     yield _pressure_error(trials.solve(scene), 1e-6)
 
 
-CASES: tuple[HardCase, ...] = (
+MESHES_CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"{name}_{aspect:.0e}_q{degree}",
-            THEME,
+            _THEME,
             f"{where}, cells {aspect:.0e} times as long as high, degree {degree}",
             _EXACT,
             partial(solve, aspect, degree),
@@ -175,7 +174,7 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "flat_pair_1e+03",
-        THEME,
+        _THEME,
         "two bodies, cells 1e+03 times as long as high",
         _EXACT,
         partial(_flat_pair, 1e3),
@@ -183,7 +182,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"graded_{ratio:.0e}",
-            THEME,
+            _THEME,
             f"cells that grow by {ratio:.0e} over the body",
             _EXACT,
             partial(_graded, ratio, 2),
@@ -193,7 +192,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"distorted_{name}",
-            THEME,
+            _THEME,
             f"twisted {name} of degree {degree}",
             _EXACT,
             partial(_distorted, kinematics, simplices, degree),
@@ -208,7 +207,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"hertz_extent_{extent:.0e}",
-            THEME,
+            _THEME,
             f"paraboloid, cells from 1/8 to {extent / 3:.0e}",
             f"{JOHNSON}, (4.22)-(4.24)",
             partial(_far, extent),
@@ -217,7 +216,7 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "hertz_distorted",
-        THEME,
+        _THEME,
         "paraboloid on twisted cells of 1/4",
         f"{JOHNSON}, (4.22)-(4.24)",
         _distorted_hertz,

@@ -16,14 +16,14 @@ from fenics_contact.scene.loading.conditions import Load, Support
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, Steps
 from fenics_contact.scene.values import Profile
-from fenics_contact.verification.block_pair import LOWER, PRESSURE, RATIOS, UPPER, Slave, pair_scene
+from fenics_contact.verification.boxes import LOWER, PRESSURE, RATIOS, UPPER, Slave, pair_scene
 from fenics_contact.verification.case import Finding
 from fenics_contact.verification.hard.case import HardCase, Trials
 from fenics_contact.verification.hard.scenes import NU, STATICS, E, with_contact
 from fenics_contact.verification.published import hertz_pair as hertz_pair_cases
-from fenics_contact.verification.published.point import JOHNSON, MATERIAL, MODULUS
+from fenics_contact.verification.published.indenters import JOHNSON, MATERIAL, MODULUS
 
-THEME = "Two bodies"
+_THEME = "Two bodies"
 _JUMP = 1e6
 
 
@@ -138,11 +138,11 @@ def _rocking(offset: float, trials: Trials) -> Iterator[Finding]:
     yield Finding("moment / force", float(moment) / force, offset, 1e-6, absolute=True)
 
 
-CASES: tuple[HardCase, ...] = (
+PAIRS_CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"pair_patch_{slave}",
-            THEME,
+            _THEME,
             f"a block 1e6 times as stiff on a soft one, slave '{slave}'",
             "a uniform pressure is exact",
             partial(_patch, slave),
@@ -151,14 +151,14 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "pair_spheres",
-        THEME,
+        _THEME,
         "a sphere 1e6 times as stiff on a soft one",
         f"{JOHNSON}, (4.22)-(4.24), E* of the soft one",
         _spheres,
     ),
     HardCase(
         "loose_pin",
-        THEME,
+        _THEME,
         "a pin that falls in a recess 3 % wider",
         f"{JOHNSON}, (4.43), (4.45), 1/R = 1/R₁ − 1/R₂",
         _pin,
@@ -166,7 +166,7 @@ CASES: tuple[HardCase, ...] = (
     *(
         HardCase(
             f"rocking_{offset:g}",
-            THEME,
+            _THEME,
             f"half a disc on its arc, loaded {offset:g} off its middle",
             STATICS,
             partial(_rocking, offset),
@@ -175,7 +175,7 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "rocking_3",
-        THEME,
+        _THEME,
         "the same, loaded beyond the end of the contact surface",
         STATICS,
         partial(_rocking, 3.0),

@@ -17,7 +17,6 @@ from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.verification.case import Finding
-from fenics_contact.verification.hard.bodies import box
 from fenics_contact.verification.hard.case import HardCase, Trials
 from fenics_contact.verification.hard.scenes import (
     ASIDE,
@@ -26,14 +25,15 @@ from fenics_contact.verification.hard.scenes import (
     ROLLER,
     STATICS,
     E,
+    box,
     driven_body,
     plane_scene,
     pressed_scene,
     with_contact,
 )
-from fenics_contact.verification.published.point import HERTZ, JOHNSON, RADIUS, half_space_scene
+from fenics_contact.verification.published.indenters import HERTZ, JOHNSON, RADIUS, half_space_scene
 
-THEME = "Loss of contact and just touching"
+_THEME = "Loss of contact and just touching"
 _HEIGHT = 2.0
 _DOWN = Load("top", traction=(0, -10))
 _UP = Load("top", traction=(0, 10))
@@ -149,10 +149,10 @@ def _light(force: float, trials: Trials) -> Iterator[Finding]:
 _HELD = plane_scene(Contact("top", obstacle=_plane(_HEIGHT)), (CLAMPED,))
 _APEX = Obstacle("parabola", radius=4, position=(0.5, _HEIGHT))
 _AWAY = "the loads push it away"
-CASES: tuple[HardCase, ...] = (
+SEPARATION_CASES: tuple[HardCase, ...] = (
     HardCase(
         "pulled_off",
-        THEME,
+        _THEME,
         "a force pulls the body off the floor",
         STATICS,
         partial(_refused, plane_scene(Contact("bottom"), (ASIDE,), (_UP,))),
@@ -161,7 +161,7 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "pulled_off_rough",
-        THEME,
+        _THEME,
         "the same with friction, nothing else holds it",
         STATICS,
         partial(_refused, plane_scene(Contact("bottom", friction_coefficient=1), (), (_UP,))),
@@ -170,7 +170,7 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "unloaded",
-        THEME,
+        _THEME,
         "a body that lies on the floor under no load",
         STATICS,
         partial(_refused, plane_scene(Contact("bottom"), (ASIDE,))),
@@ -179,7 +179,7 @@ CASES: tuple[HardCase, ...] = (
     ),
     HardCase(
         "clearance",
-        THEME,
+        _THEME,
         "between floor and ceiling with clearance, a load from the side",
         STATICS,
         partial(
@@ -196,59 +196,59 @@ CASES: tuple[HardCase, ...] = (
         ("refused",),
         "clearance between its obstacles",
     ),
-    HardCase("falling", THEME, "a body half its width above the floor", STATICS, _falling),
+    HardCase("falling", _THEME, "a body half its width above the floor", STATICS, _falling),
     HardCase(
         "plate_from_afar",
-        THEME,
+        _THEME,
         "a plate under force, 0.1 above the body",
         "uniaxial stress",
         partial(_plate, 0.1, 10.0),
     ),
     HardCase(
         "plate_from_far_afar",
-        THEME,
+        _THEME,
         "a plate under force, 50 heights above the body",
         "uniaxial stress",
         partial(_plate, 100.0, 10.0),
     ),
     HardCase(
         "paraboloid_from_afar",
-        THEME,
+        _THEME,
         "a paraboloid under force, 5 contact radii above",
         f"{JOHNSON}, (4.22)-(4.24)",
         _from_afar,
     ),
     HardCase(
         "just_touching_plane",
-        THEME,
+        _THEME,
         "a plane that just touches",
         "nothing presses: no force",
         partial(_nothing, _HELD),
     ),
     HardCase(
         "just_touching_rough",
-        THEME,
+        _THEME,
         "the same with friction",
         "nothing presses: no force",
         partial(_nothing, with_contact(_HELD, friction_coefficient=0.5)),
     ),
     HardCase(
         "just_touching_apex",
-        THEME,
+        _THEME,
         "a parabola that just touches",
         "nothing presses: no force",
         partial(_nothing, plane_scene(Contact("top", obstacle=_APEX), (CLAMPED,))),
     ),
     HardCase(
         "stays_away",
-        THEME,
+        _THEME,
         "an obstacle that stops short of the body",
         "nothing presses: no force",
         partial(_nothing, with_contact(_HELD, obstacle=_plane(_HEIGHT + 1, indentation=0.5))),
     ),
     HardCase(
         "zero_force",
-        THEME,
+        _THEME,
         "a force of zero on the obstacle",
         "nothing presses: no force",
         partial(
@@ -257,26 +257,26 @@ CASES: tuple[HardCase, ...] = (
         ),
     ),
     HardCase(
-        "light_force", THEME, "a force of 1e-11 E on a parabola", STATICS, partial(_light, 1e-8)
+        "light_force", _THEME, "a force of 1e-11 E on a parabola", STATICS, partial(_light, 1e-8)
     ),
-    HardCase("heavy_force", THEME, "a force of E/10 on a parabola", STATICS, partial(_light, 1e2)),
+    HardCase("heavy_force", _THEME, "a force of E/10 on a parabola", STATICS, partial(_light, 1e2)),
     HardCase(
         "static_unloading",
-        THEME,
+        _THEME,
         "static law, pressed, pressed twice as deep, and back",
         "the static law has no memory: the same at once",
         _no_memory,
     ),
     HardCase(
         "comes_again_static",
-        THEME,
+        _THEME,
         "static law, an obstacle that leaves and comes again",
         "no memory: the same at once",
         partial(_comes_again, "static"),
     ),
     HardCase(
         "comes_again",
-        THEME,
+        _THEME,
         "incremental law, an obstacle that leaves and comes again",
         "a free body has no memory: the same at once",
         partial(_comes_again, "incremental"),

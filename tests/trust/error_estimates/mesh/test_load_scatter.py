@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, HalfSpace, Material, MeshSource, Obstacle, Scene, Support, run
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.published.point import HERTZ, half_space_scene
+from fenics_contact.verification.published.indenters import HERTZ, half_space_scene
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.errors

@@ -1,8 +1,9 @@
-"""A rigid parabola pressed on a half-plane, then sheared while the half-plane is pulled as well.
+"""Fretting: stress under a bulk load and lives, against published numbers.
 
-With one rigid body of the two, and the other incompressible, formulas for equal bodies hold with
-2 in place of 4. The block that stands for the half-plane is loaded, where it ends, as the
-half-plane is there: by the radial stress of Flamant's forces, and by the pull.
+A rigid parabola pressed on a half-plane, then sheared while the half-plane is pulled as well. With
+one rigid body of the two, and the other incompressible, formulas for equal bodies hold with 2 in
+place of 4. The block that stands for the half-plane is loaded, where it ends, as the half-plane is
+there: by the radial stress of Flamant's forces, and by the pull.
 """
 
 from __future__ import annotations
@@ -12,29 +13,96 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
+from scipy.optimize import brentq
 
 from fenics_contact.analyses.fretting.recovery import Recovery
 from fenics_contact.analyses.fretting.region import tensors
-from fenics_contact.analyses.fretting.table import Fretting
+from fenics_contact.analyses.fretting.table import FatigueLimits, Fretting, StrainLifeLine
 from fenics_contact.analyses.fretting.task import FrettingTask
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import on_root
 from fenics_contact.common.program import mesh_file
 from fenics_contact.contact.state import STICK
+from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Support
+from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
 from fenics_contact.simulation.scene_run import Run
-from fenics_contact.verification.case import Finding, UntrustedError, note_mesh
+from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.case import Case, Finding, UntrustedError, note_mesh, solved
 
-_YOUNGS_MODULUS, _POISSONS_RATIO = 1000.0, 0.4999
+_YOUNGS_MODULUS, _AMPLITUDE = 200e3, 300.0
+_LINE = StrainLifeLine(900.0, -0.09, 0.4, -0.6)
+_LIMITS = FatigueLimits(torsion=250.0, tension=400.0)
+_TO_AND_FRO = Path(time=(0, 1, 3, 4), factor=(0, 1, -1, 0))
+
+
+def _block(ratio: float, loads: tuple[Load, ...]) -> tuple[Scene, Body]:
+    """A block that is bonded to the ground, so that the stress is the same all over."""
+    scene = Scene(
+        kinematics="plane stress",
+        material=(Material(_YOUNGS_MODULUS, ratio),),
+        load=loads,
+        contact=(Contact("block.y0", contact="bonded"),),
+        steps=Steps(number=4, end=4),
+        cycles=Cycles(end=4, increments=8, number=2),
+        solver=SolverSettings(errors="none"),
+        fretting=Fretting(depth=0.6, limits=_LIMITS, life=_LINE),
+    )
+    return scene, boxes((Box("block", (0.0, 0.0), (2.0, 1.0), (4, 2)),))
+
+
+def findings_of_lives(quick: bool) -> Iterator[Finding]:
+    """Of tension with ν = 0, which the ground does not hinder, and of shear with ν = .3."""
+    pull = (Load("block.y1", traction=(0.0, _AMPLITUDE), path=_TO_AND_FRO),)
+    sides = {"y1": (1.0, 0.0), "x1": (0.0, 1.0), "x0": (0.0, -1.0)}
+    shear = tuple(
+        Load(f"block.{side}", traction=(_AMPLITUDE * x, _AMPLITUDE * y), path=_TO_AND_FRO)
+        for side, (x, y) in sides.items()
+    )
+    limit = _LIMITS.torsion
+    for words, ratio, loads, factor in (
+        ("tension", 0.0, pull, limit / _AMPLITUDE * _LIMITS.tension / limit),
+        ("torsion", 0.3, shear, limit / _AMPLITUDE),
+    ):
+        scene, body = _block(ratio, loads)
+        result = solved(scene, body)
+        assert result.fretting is not None
+        worst = result.fretting.worst
+        parameter = _AMPLITUDE**2 * (1 + ratio) / _YOUNGS_MODULUS
+        life = worst["swt"].life
+        assert life is not None
+        yield Finding(f"swt, {words}", worst["swt"].value, parameter, 1e-6)
+        yield Finding(f"life, {words}", life, _known_life(parameter), 1e-5)
+        for name in ("crossland", "dang_van"):
+            found = worst[name].safety_factor
+            assert found is not None
+            yield Finding(f"safety factor by {name}, {words}", found, factor, 1e-6)
+
+
+def _known_life(parameter: float) -> float:
+    """N of (s²/E)(2N)^{2b} + s e (2N)^{b+c}, by bisection."""
+    line = _LINE
+    b, c = line.strength_exponent, line.ductility_exponent
+
+    def missing(logarithm: float) -> float:
+        reversals = 2 * np.exp(logarithm)
+        elastic = line.strength**2 / _YOUNGS_MODULUS * reversals ** (2 * b)
+        plastic = line.strength * line.ductility * reversals ** (b + c)
+        return float(elastic + plastic - parameter)
+
+    return float(np.exp(brentq(missing, 0.0, 60.0, xtol=1e-13)))
+
+
+_YOUNGS_MODULUS_BULK_LOAD, _POISSONS_RATIO = 1000.0, 0.4999
 _RADIUS, _HALF_WIDTH, _COEFFICIENT = 50.0, 1.0, 0.5
-_MODULUS = formulas.plane_strain_modulus(_YOUNGS_MODULUS, _POISSONS_RATIO)
+_MODULUS = formulas.plane_strain_modulus(_YOUNGS_MODULUS_BULK_LOAD, _POISSONS_RATIO)
 _HERTZ = formulas.line_contact(
     _MODULUS, _RADIUS, formulas.line_force(_MODULUS, _RADIUS, _HALF_WIDTH)
 )
@@ -124,7 +192,7 @@ def bulk_scene(pulled: Pulled, **mesh: float) -> Scene:
     return Scene(
         kinematics="plane strain",
         mesh=(MeshSource(mesh_file("strip.geo"), cell="quadrilateral", parameters=_MESH | mesh),),
-        material=(Material(_YOUNGS_MODULUS, _POISSONS_RATIO),),
+        material=(Material(_YOUNGS_MODULUS_BULK_LOAD, _POISSONS_RATIO),),
         support=(Support("bottom", {"y": 0.0}),),
         load=tuple(loads),
         contact=(rubbing,),
@@ -134,7 +202,7 @@ def bulk_scene(pulled: Pulled, **mesh: float) -> Scene:
     )
 
 
-def findings(quick: bool) -> Iterator[Finding]:
+def findings_of_bulk_load(quick: bool) -> Iterator[Finding]:
     """Where it sticks, and the stress at the trailing edge, with and without pull."""
     for pulled in (Pulled(0.6, 0.5),) if quick else (Pulled(0.6, 0.0), Pulled(0.6, 0.5)):
         prepared = Run(bulk_scene(pulled, **(_QUICK_MESH if quick else {})))
@@ -182,3 +250,20 @@ def _edge_stress(prepared: Run, pulled: Pulled) -> float:
     stress = tensors(recovery.weights(chosen)[0] @ history.samples[-1][:, :6])
     along = stress[:, 0, 0] - stress[:, 1, 1]
     return float(np.polyfit(x[chosen] + _HALF_WIDTH, along, 2)[-1])
+
+
+def _fretting(quick: bool) -> Iterator[Finding]:
+    """Stick zone and edge stress under bulk load; lives of stress that is the same all over."""
+    yield from findings_of_bulk_load(quick)
+    yield from findings_of_lives(quick)
+
+
+FRETTING_CASES: tuple[Case, ...] = (
+    Case(
+        "fretting",
+        "parabola sheared on a half-plane under bulk load; lives in tension and torsion",
+        "D. Nowell, D. A. Hills, Int. J. Mech. Sci. 29 (1987) 355-365; K. N. Smith, P. Watson, "
+        "T. H. Topper, J. Materials 5 (1970) 767-778",
+        _fretting,
+    ),
+)

@@ -8,24 +8,26 @@ from math import atan, pi
 import numpy as np
 
 from fenics_contact.verification.case import Case, Finding, solved
-from fenics_contact.verification.motion.ball import (
-    ball_scene,
-    force_that_stops,
-    jerk,
-    resting_scene,
-)
-from fenics_contact.verification.motion.bars import (
+from fenics_contact.verification.impacts import (
     along,
+    ball_scene,
     bar_on_wall,
     falling_bar,
     force_of_wave,
+    force_that_stops,
+    jerk,
+    resting_scene,
     times_of,
     touching,
     worst_defect,
 )
-from fenics_contact.verification.motion.belt import belt
-from fenics_contact.verification.motion.belt import period_of as period_on_belt
-from fenics_contact.verification.motion.oscillator import LARGEST_FRICTION, oscillator, period_of
+from fenics_contact.verification.sliding import (
+    LARGEST_FRICTION,
+    belt,
+    oscillator,
+    period_of,
+    period_on_belt,
+)
 
 _PLATEAU, _ENERGY = 5e-3, 3e-4
 
@@ -110,7 +112,7 @@ def _belts(quick: bool) -> Iterator[Finding]:
         yield Finding(what, period_on_belt(found), 1.0, tolerance)
 
 
-CASES: tuple[Case, ...] = (
+MOTION_CASES: tuple[Case, ...] = (
     Case(
         "motion",
         "bars and a ball that bounce, a mass on a spring with friction, stick-slip",

@@ -1,1 +1,0 @@
-"""Bodies that move: against d'Alembert's bar, Coulomb's oscillator and the midpoint rule."""

@@ -1,1 +1,0 @@
-"""Natural frequencies, and what joints damp."""
