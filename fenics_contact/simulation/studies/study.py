@@ -326,7 +326,7 @@ class Study:
         begin: float | None = None,
         cycles: int | None = None,
         jumps: CycleJump | None = None,
-        changes: Changes = None,
+        changes: Mapping[str, Any] | Scene | None = None,
         folder: str | Path | None = None,
     ) -> Iterator[WearCycle]:
         """Wear over many cycles of loads, most of which are passed over; collective.
@@ -371,7 +371,7 @@ class Study:
 
     worn = wear_cycles  # its earlier name, which scripts of users have
 
-    def vibration(self, changes: Changes = None) -> Vibration:
+    def vibration(self, changes: Mapping[str, Any] | Scene | None = None) -> Vibration:
         """Modes about the last state of the scene, and what joints damp of them; collective.
 
         As the scene asks for them by ``modes`` and ``damping``.
