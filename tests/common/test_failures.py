@@ -22,7 +22,7 @@ from fenics_contact.common import mumps
 from fenics_contact.common.errors import MachineError, NotConvergedError
 from fenics_contact.common.failures import READER_LEFT, explain, original
 from fenics_contact.common.memory import free_memory_for, memory_limit
-from fenics_contact.simulation import scene_run as simulation
+from fenics_contact.simulation import result_of_run as simulation
 from fenics_contact.solve.newton.newton import Newton
 from fenics_contact.solve.solver_choice import choose_solver
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, with_solver
@@ -49,10 +49,10 @@ FAULTY = """
 import os, pathlib, signal, sys, time
 import numpy as np
 from mpi4py import MPI
-from fenics_contact import main, run
+from fenics_contact import Run, main, run
 from fenics_contact.common import failures as faults
 from fenics_contact.solve.newton import newton
-from fenics_contact.simulation import scene_run as simulation
+from fenics_contact.simulation import result_of_run as simulation
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.trust.error_estimates import estimates
 from fenics_contact.verification import command
@@ -89,7 +89,7 @@ if where == "verify":
 body = box_body((2, 2, 2))
 if where == "estimate":
     folder = pathlib.Path(sys.argv[2]).parent / "out"
-    files.solve_and_write(simulation.Run(PULLED_BLOCK, body=body), folder)
+    files.solve_and_write(Run(PULLED_BLOCK, body=body), folder)
 try:
     run(PULLED_BLOCK, body=body)
 except Exception:  # a script that tries its luck with another scene

@@ -463,7 +463,7 @@ def test_straight_facets_in_a_tight_hole_are_warned_of(tmp_path):
         prepared = Run(scene, COMM)
         assert ("too straight" in prepared.solve().verdict) != trusted
         # Also where loads that come later find no answer, as these surfaces hold too little.
-        later = prepared._unconverged(NotConvergedError("Nothing holds it."), 2.0, 1).verdict
+        later = prepared._result.unconverged(NotConvergedError("Nothing holds it."), 2.0, 1).verdict
         assert later.startswith("No answer at time 2") and ("too straight" in later) != trusted
 
 
