@@ -97,6 +97,9 @@ class Newton(SnesSolve):
                 self._search = THOROUGH_SEARCH
                 self._soften(start)
             self._solve()
+        springs, tolerated = self._springs, self._tolerance * self.system.forces
+        if springs is not None and (springs.held_back or self.imbalances[-1] > tolerated):
+            self._take_a_step_without(springs)
 
     def _solve_with_short_steps(self, start: Array) -> None:
         """With springs where it searches, else where steps run far without them; collective."""
@@ -115,14 +118,13 @@ class Newton(SnesSolve):
         # Under springs the last step of a rough solve is less exact than one of Newton's own.
         self._tolerance = self.problem.scene.solver.tolerance
         self._solve()
-        if self._springs.held_back:
-            self._take_a_step_without(self._springs)
 
     def _take_a_step_without(self, springs: SpringControl) -> None:
         """One more step, for an answer as exact as one of Newton's own; collective.
 
         Forces that are balanced leave pressures on small cells, or under a soft penalty, off by
-        more. Where the step leads away, the answer stays as it was found.
+        more; so do forces that the round-off of the way there let pass. Where the step leads away,
+        the answer stays as it was found.
         """
         found, imbalances, limit = self.save(), list(self.imbalances), self.limit
         searches, self._searches = self._searches, False
