@@ -71,7 +71,7 @@ class AiryField:
 
     @property
     def _compliance(self) -> float:
-        """1/2μ (1/stress)."""
+        """Half of the shear compliance, 1/2μ (1/stress)."""
         return (1 + self.poissons_ratio) / self.youngs_modulus
 
 

@@ -1,4 +1,4 @@
-"""What happens at the points of a contact; ``results.contact_points`` lists its arrays."""
+"""State of the points of a contact; ``results.contact_points`` lists its arrays."""
 
 from __future__ import annotations
 

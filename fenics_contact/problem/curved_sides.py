@@ -1,4 +1,4 @@
-"""What a mesh misses of curved sides and of functions, and a body in cells of half the size.
+"""Curved sides and functions between nodes, which a mesh misses; a body in cells of half the size.
 
 Facets of a body that stand for a curve, and how far the curve lies outside of them. Straight cells
 have the nodes of a curved side on the curve, and chords between them.

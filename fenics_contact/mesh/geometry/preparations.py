@@ -1,4 +1,4 @@
-"""What is done with the bodies of a geometry before it is meshed: cuts, and sizes of cells.
+"""Preparation of a geometry's bodies for meshing: cuts, and sizes of cells.
 
 Bodies that are cut by planes, so that a part of them can be preloaded; for Gmsh's process alone.
 The pieces stay glued: the mesh goes through the cuts. What is cut of the boundary keeps its

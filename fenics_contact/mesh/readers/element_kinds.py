@@ -110,7 +110,7 @@ _FACES = (
 def complete(
     read: Mapping[str, Any], description: Mapping[str, Any]
 ) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    """The same mesh with all its quadratic quadrilaterals and hexahedra complete.
+    """Return a mesh with all its quadratic quadrilaterals and hexahedra complete.
 
     Args:
         read: Arrays of the process that has read the mesh.

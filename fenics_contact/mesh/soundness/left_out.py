@@ -1,4 +1,4 @@
-"""What of files is left out or wanting, and cells of several files that overlap.
+"""Parts of mesh files that are left out or missing, and cells of several files that overlap.
 
 Cells of several mesh files that lie against each other or in each other. Each file is examined on
 its own, after reading; what two of them have in one place shows only once they are put together.

@@ -1,4 +1,4 @@
-"""Which bodies look like bolts, and which pieces can be taken off.
+"""Guesses about bodies of a file: those that look like bolts, and pieces that can be taken off.
 
 Pieces that can be taken off: contacts open in some rigid motion and close nowhere. With friction
 all other motions are resisted. The motion that opens most is found by linear programming: maximise

@@ -38,5 +38,9 @@ def test_they_vanish_with_the_imbalance():
 
 @pytest.mark.serial
 def test_answers_are_as_exact_as_without_springs():
-    """Uniform pressures on cells of very different sizes: forces alone are balanced earlier."""
-    assert main(["verify", "--hard", "graded_1e+06", "pair_patch_against"]) == 0
+    """Uniform pressures on cells of very different sizes: forces alone are balanced earlier.
+
+    On the way to that of the sheet steps run so far that round-off lets forces pass.
+    """
+    cases = ("graded_1e+06", "pair_patch_against", "sheet_1e+04_q2")
+    assert main(["verify", "--hard", *cases]) == 0
