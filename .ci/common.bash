@@ -45,6 +45,17 @@ apt_install() {
     } 8>"$cache/apt-lock"
 }
 
+# Compiled forms that nothing has loaded for two weeks go: sources and options are part of their names,
+# so that those of earlier versions would stay.
+forget_old_forms() {
+    local library name
+    [ -d "$1" ] || return 0
+    find "$1" -name 'libffcx_*.so' -atime +14 | while read -r library; do
+        name=${library##*/}
+        rm -f "${library%/*}/${name%%.*}".*
+    done
+}
+
 # A bare Debian 13 as a tar file, with what this machine needs to reach its mirror.
 make_base() {
     [ -f "$cache/trixie.tar" ] && return

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from fenics_contact.verification.memory.blocks import (
+from fenics_contact.verification.memory_check import (
     FLAT,
     FLAT_PAIRS,
     FURTHER,
     HALF_SPACE,
     PAIRS,
     SMALL_FLAT_PAIR,
-    Case,
+    BlockCase,
     slab,
     square,
 )
 
 
-def quick_runs() -> list[tuple[Case, str]]:
+def quick_runs() -> list[tuple[BlockCase, str]]:
     """Cases, each with the name of a solver, that take about a minute in all."""
     return [
         (square(43), "condensed"),
@@ -29,13 +29,13 @@ def quick_runs() -> list[tuple[Case, str]]:
     ]
 
 
-def all_runs() -> list[tuple[Case, str]]:
+def all_runs() -> list[tuple[BlockCase, str]]:
     """Cases, each with the name of a solver."""
     solids = ("P1 tets", "P2 tets", "Q1 hexes", "Q2 hexes")
     condensed = [
         *(square(cells) for cells in (43, 90, 180)),
         *(slab(element, points) for element in solids for points in (24, 32, 40)),
-        Case("Q2 hexes", (12, 12, 6), all_of_top=True),
+        BlockCase("Q2 hexes", (12, 12, 6), all_of_top=True),
         square(43, 1 + FURTHER),
         square(90, 1 + FURTHER),
         slab("P2 tets", 32, 1 + FURTHER),

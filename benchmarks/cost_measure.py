@@ -22,10 +22,10 @@ from cost_solves import (
 from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import choose_solver, contact_unknowns, unknowns
-from fenics_contact.verification.memory.block_scenes import body_of, scene_of
-from fenics_contact.verification.memory.blocks import Case
+from fenics_contact.solve.systems.solution import Solution
+from fenics_contact.verification.memory_check import BlockCase
+from fenics_contact.verification.memory_worker import body_of, scene_of
 
 # isort: split
 from mpi4py import MPI
@@ -54,7 +54,7 @@ class Measured:
     quantities: dict[str, Any]
 
 
-def measure(case: Case, solver: str, comm: MPI.Comm, enough: float) -> Measured:
+def measure(case: BlockCase, solver: str, comm: MPI.Comm, enough: float) -> Measured:
     """Time a case and the linear solve that it is compared with, by turns; collective.
 
     Args:
@@ -137,7 +137,9 @@ class _Yardstick:
         return seconds
 
 
-def _further_steps(case: Case, runs: list[Frictional], linear: float) -> dict[str, float | None]:
+def _further_steps(
+    case: BlockCase, runs: list[Frictional], linear: float
+) -> dict[str, float | None]:
     """What a load step after the first costs, without and with its results read."""
     keys = ("further_step_seconds", "further_step_ratio", "further_step_ratio_with_results")
     if case.steps == 1:

@@ -18,8 +18,8 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.accepted_step import AtEachStep
 from fenics_contact.solve.load_steps.load_stepper import stepping
-from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import unknowns
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.budget import error_budget
 
 # isort: split

@@ -32,14 +32,13 @@ from fenics_contact import Body, Contact, Scene, SolverSettings, Steps, load_sce
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import Path as LoadPath
-from fenics_contact.simulation.scene_mesh import mesh_of
 from fenics_contact.simulation.scene_run import Run
-from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.studies.kept_body import KeptBody, mesh_of
 from fenics_contact.simulation.studies.solved_derivatives import solved_scene
-from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
+from fenics_contact.solve.condensed.part_factors import KnownFactors
 from fenics_contact.solve.solver_choice import contact_unknowns, unknowns
-from fenics_contact.verification.memory.block_scenes import body_of, scene_of
-from fenics_contact.verification.memory.blocks import Case, slab, square
+from fenics_contact.verification.memory_check import BlockCase, slab, square
+from fenics_contact.verification.memory_worker import body_of, scene_of
 
 DEMOS = Path(__file__).resolve().parent.parent / "demos"
 COMM = MPI.COMM_WORLD
@@ -66,7 +65,7 @@ class Asked:
     of: str = "normal_force"
 
 
-def block(case: Case, **changes: Any) -> Callable[[], tuple[Scene, Body]]:
+def block(case: BlockCase, **changes: Any) -> Callable[[], tuple[Scene, Body]]:
     """A block of the benchmark of costs."""
     settings = SolverSettings(errors="none")
     return lambda: (

@@ -26,8 +26,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy.optimize import nnls
 
-from fenics_contact.verification.memory.check import compared, measured
-from fenics_contact.verification.memory.table import ALL, FEW
+from fenics_contact.verification.memory_check import ALL, FEW, compared, measured
 
 BOOTSTRAP = Path(__file__).resolve().parents[1] / "bootstrap"
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from fenics_contact import Discretisation, Obstacle, Scene, Steps
-from fenics_contact.scene.accuracy import Accuracy
+from fenics_contact.scene.settings import Accuracy
 from fenics_contact.verification.published.friction import with_friction
 from fenics_contact.verification.published.indenters import (
     HERTZ,

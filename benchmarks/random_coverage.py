@@ -78,13 +78,29 @@ def rank_differences(rows: Iterable[Row]) -> list[str]:
     return found
 
 
-def _unlike(one: Row, other: Row, most: float = 1e-6) -> list[str]:
-    """Quantities that differ."""
+def solver_differences(rows: Iterable[Row]) -> list[str]:
+    """Scenes whose outcome, or a number of it by more than 1e-5, depends on the direct solver."""
+    rows, found = list(rows), []
+    others = {row["number"]: row for row in rows if row["stage"] == "solver"}
+    for row in rows:
+        other = others.get(row["number"])
+        if row["stage"] != "coarse" or other is None or row["ranks"] != other["ranks"]:
+            continue
+        who = f"{_name(row)}, by {row['solver']} and {other.get('solver', 'the other solver')}"
+        if other["code"] != row["code"]:
+            found.append(f"{who}: ended with {row['code']} and {other['code']}: {other['words']}")
+        else:
+            found += [f"{who}: {text}" for text in _unlike(row, other, 1e-5, bars=False)]
+    return found
+
+
+def _unlike(one: Row, other: Row, most: float = 1e-6, bars: bool = True) -> list[str]:
+    """Quantities that differ, or that only one of both has a bar of."""
     found = []
     for name, (values, bar) in one["quantities"].items():
         theirs = other["quantities"].get(name, [[], None])
         a, b = np.array(values), np.array(theirs[0])
-        if len(a) != len(b) or (bar is None) != (theirs[1] is None):
+        if len(a) != len(b) or (bars and (bar is None) != (theirs[1] is None)):
             found.append(f"{name} {values} ± {bar} and {theirs[0]} ± {theirs[1]}")
             continue
         change = float(np.linalg.norm(a - b))

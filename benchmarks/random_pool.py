@@ -76,6 +76,7 @@ class Pool:
         seconds: After which a solve hangs.
         slots: Processes at once.
         tell: Called with each new row.
+        errors: Those that are estimated, as ``solver.errors`` of a scene.
     """
 
     rows: Path
@@ -85,6 +86,7 @@ class Pool:
     seconds: float
     slots: int
     tell: Callable[[dict[str, Any]], None]
+    errors: str = "all"
     _workers: list[Worker] = field(default_factory=list)
     _started: int = 0
     _read: int = 0
@@ -124,6 +126,7 @@ class Pool:
         content = {
             "seed": self.seed,
             "kinds": self.kinds,
+            "errors": self.errors,
             "numbers": job.numbers,
             "stages": job.stages,
             "done": sorted(job.done),

@@ -1,14 +1,15 @@
 """Scenes at random: how many are solved, refused, not trusted; how far their error bars cover.
 
 ``python benchmarks/random_scenes.py [--number 500] [--first 0] [--seed 9] [--only N …]
-[--kinds KIND …] [--refine]
-[--ranks 1,2] [--jobs N] [--seconds 120] [--out FILE]``
+[--kinds KIND …] [--refine] [--solvers]
+[--errors none] [--ranks 1,2] [--jobs N] [--seconds 120] [--out FILE]``
 
 Not under ``mpirun``: it starts workers (``random_worker.py``) on one and on several ranks, which
 solve many scenes each and are replaced when they crash or hang. Every solve is a line of FILE; an
 interrupted run (Ctrl-C) goes on where it stopped when it is started again with the same FILE.
 ``--refine`` solves each answered scene again with cells of half the size, and where bars are too
-short, in plane models, on a third mesh; ``--table docs/error_bars.md`` writes there what bars
+short, in plane models, on a third mesh; ``--solvers`` solves it by the other direct solver, to the
+same numbers; ``--table docs/error_bars.md`` writes there what bars
 cover. ``--only N`` solves the scene of this number alone, ``--kinds`` draws
 scenes of these kinds in turn (``tests.random.kinds.KINDS``). Scenes of a number and seed stay the
 same with the same sources (those of ``tests.random.scenes``, one in four: and the same hypothesis).
@@ -40,6 +41,8 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=9)
     parser.add_argument("--kinds", nargs="+", default=(), metavar="KIND")
     parser.add_argument("--refine", action="store_true", help="solve again with cells of half")
+    parser.add_argument("--errors", default="all", metavar="none", help="that are estimated")
+    parser.add_argument("--solvers", action="store_true", help="solve by full and by condensed")
     parser.add_argument("--ranks", default="1", metavar="1,2", help="solve on each of these")
     parser.add_argument("--jobs", type=int, default=1, help="processes at once")
     parser.add_argument("--seconds", type=float, default=120, help="after which a solve hangs")
@@ -56,14 +59,16 @@ def main() -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with tempfile.TemporaryDirectory() as folder:
         path = options.out or Path(folder) / "rows.jsonl"
-        drawn = {"seed": options.seed, "kinds": list(options.kinds)}
+        drawn = {"seed": options.seed, "kinds": list(options.kinds), "errors": options.errors}
         if not begin(path, drawn):
             return 2
         kinds, places = tuple(options.kinds), (path, Path(folder))
-        pool = Pool(*places, options.seed, kinds, options.seconds, options.jobs, say)
+        given = (options.seed, kinds, options.seconds, options.jobs, say, options.errors)
+        pool = Pool(*places, *given)
         stopped = False
         try:
-            pool.run(jobs(read(path), numbers, ranks, options.refine))
+            references = (*("solver",) * options.solvers, *REFERENCES[: 3 if options.refine else 1])
+            pool.run(jobs(read(path), numbers, ranks, references))
         except KeyboardInterrupt:
             stopped = True
         rows = [row for row in read(path) if row["number"] in set(numbers)]
@@ -88,10 +93,11 @@ def begin(path: Path, drawn: dict[str, Any]) -> bool:
     whole = text[: text.rfind("\n") + 1]
     if whole != text:  # cut off while it was written
         path.write_text(whole, encoding="utf-8")
-    found = {"kinds": []} | json.loads(whole.splitlines()[0])
-    if found != drawn:
+    found = {"kinds": [], "errors": "all"} | json.loads(whole.splitlines()[0])
+    is_same = bool(found == {"kinds": [], "errors": "all"} | drawn)
+    if not is_same:
         print(f"{path} holds scenes of {found}, not {drawn}: name another file with --out")
-    return bool(found == drawn)
+    return is_same
 
 
 def read(path: Path) -> list[dict[str, Any]]:
@@ -100,13 +106,16 @@ def read(path: Path) -> list[dict[str, Any]]:
 
 
 def jobs(
-    rows: list[dict[str, Any]], numbers: list[int], ranks: list[int], refine: bool, size: int = 20
+    rows: list[dict[str, Any]],
+    numbers: list[int],
+    ranks: list[int],
+    references: tuple[str, ...],
+    size: int = 20,
 ) -> list[Job]:
     """What is still to be solved, some scenes each; references on the first number of ranks."""
     found = []
     for count in ranks:
-        stages = ("coarse", *(REFERENCES if refine else REFERENCES[:1])) * (count == ranks[0])
-        stages = stages or ("coarse",)
+        stages = ("coarse", *references) if count == ranks[0] else ("coarse",)
         done = {row["number"]: {} for row in rows}
         for row in rows:
             if row["ranks"] == count:

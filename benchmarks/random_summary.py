@@ -7,7 +7,13 @@ from collections.abc import Iterable
 from typing import Any
 
 from random_changes import Change, independent, refinements, refused_rightly, short_bars
-from random_coverage import against_statics, coverage, rank_differences, table
+from random_coverage import (
+    against_statics,
+    coverage,
+    rank_differences,
+    solver_differences,
+    table,
+)
 
 Row = dict[str, Any]
 NAMES = {
@@ -50,7 +56,7 @@ def failures(rows: list[Row]) -> list[str]:
         or (_is_not_trusted(row) and row["number"] not in too_coarse)
         or not row.get("finite", True)
     ]
-    found += against_statics(rows) + rank_differences(rows)
+    found += against_statics(rows) + rank_differences(rows) + solver_differences(rows)
     return found + [f"wrong and passed: {words(change)}" for change in wrong(rows, listed=False)]
 
 

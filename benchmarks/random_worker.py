@@ -1,7 +1,8 @@
 """Solves scenes of a list and adds a line for each to a file; started by ``random_scenes.py``.
 
 ``python random_worker.py JOB``, also under ``mpirun -n N``. JOB is a JSON file: ``seed``,
-``kinds``, ``numbers``, ``stages`` (``coarse``, ``twin``, ``fine``, ``finest``), ``done`` (pairs of
+``kinds``, ``errors``, ``numbers``, ``stages`` (``coarse``, ``solver``, ``twin``, ``fine``,
+``finest``), ``done`` (pairs of
 number and stage that are left out), ``rows`` (where lines are added), ``now`` (which solve is under
 way) and ``seconds`` (after which a solve hangs).
 """
@@ -24,7 +25,7 @@ from random_changes import wants_finest
 from random_rows import row_of
 
 from fenics_contact import Result
-from fenics_contact.results.records.model import Model, Seconds
+from fenics_contact.results.records.run import Model, Seconds
 from tests.problem.existence.variational_inequality import normal_force
 from tests.random.kinds import draw_any
 from tests.random.outcomes import ANSWERED, UNTRUSTED, Outcome, outcome_of
@@ -46,7 +47,10 @@ def work(job: dict[str, Any]) -> None:
         for stage in job["stages"]:
             if stage != "coarse" and stage not in stages:
                 continue
-            scene = of_stage(random, stage)
+            if stage == "solver" and (number, stage) not in done:
+                scene = _by_other_solver(random, COMM.bcast(_solver_of(job, number)))
+            else:
+                scene = of_stage(random, stage)
             if scene is None or (number, stage) in done:
                 continue
             if stage == "finest" and not COMM.bcast(COMM.rank == 0 and wanted(job, number)):
@@ -65,7 +69,7 @@ def work(job: dict[str, Any]) -> None:
 
 
 def _drawn(job: dict[str, Any], number: int) -> RandomScene:
-    return draw_any(job["seed"], number, job["kinds"])
+    return draw_any(job["seed"], number, job["kinds"], job["errors"])
 
 
 def of_stage(random: RandomScene, stage: str) -> RandomScene | None:
@@ -78,10 +82,27 @@ def of_stage(random: RandomScene, stage: str) -> RandomScene | None:
     return _as_reference(finer.refined() if stage == "finest" else finer)
 
 
+def _solver_of(job: dict[str, Any], number: int) -> str:
+    """The solver that a scene was solved by, on any number of ranks; on the root."""
+    return next((row["solver"] for row in _rows(job, number) if row["stage"] == "coarse"), "full")
+
+
+def _by_other_solver(random: RandomScene, solver: str) -> RandomScene:
+    """The scene, by the direct solver that it was not solved by; without errors."""
+    other = "condensed" if solver == "full" else "full"
+    settings = dataclasses.replace(random.scene.solver, solver=other, errors="none")
+    return dataclasses.replace(random, scene=dataclasses.replace(random.scene, solver=settings))
+
+
 def wanted(job: dict[str, Any], number: int) -> bool:
     """Whether a third mesh tells more of a scene."""
+    return wants_finest(_rows(job, number))
+
+
+def _rows(job: dict[str, Any], number: int) -> list[dict[str, Any]]:
+    """Rows of a scene so far."""
     lines = Path(job["rows"]).read_text(encoding="utf-8").splitlines()[1:]
-    return wants_finest(row for row in map(json.loads, lines) if row["number"] == number)
+    return [row for row in map(json.loads, lines) if row["number"] == number]
 
 
 def _as_reference(random: RandomScene) -> RandomScene:

@@ -20,8 +20,8 @@ from typing import Any
 from fenics_contact import main
 from fenics_contact.solve.iterative.contact_matrix import ContactMatrix
 from fenics_contact.solve.iterative.contact_zone import ContactZone
+from fenics_contact.solve.iterative.iterative_system import Multigrid
 from fenics_contact.solve.iterative.nonlinear_elimination import ZoneSettling
-from fenics_contact.solve.iterative.preconditioner import Multigrid
 
 # isort: split
 from mpi4py import MPI

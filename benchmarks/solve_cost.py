@@ -10,9 +10,10 @@ one process, with all forms compiled, and each is the least of several: CPU time
 time of the slowest on several. Set ``OMP_NUM_THREADS=1``, as ``./bootstrap`` does.
 ``docs/solve_cost.md`` shows what came out.
 
-Cases are in ``cost_cases.py``, their meshes and scenes in ``verification/memory``, what is timed in
-``cost_solves.py``, how a row comes about in ``cost_measure.py``, the picture in ``cost_plot.py``,
-tables of the page in ``cost_page.py``; command line and the tables of a terminal are here.
+Cases are in ``cost_cases.py``, their meshes and scenes in ``verification/memory_worker.py``, what
+is timed in ``cost_solves.py``, how a row comes about in ``cost_measure.py``, the picture in
+``cost_plot.py``, tables of the page in ``cost_page.py``; command line and the tables of a terminal
+are here.
 """
 
 from __future__ import annotations

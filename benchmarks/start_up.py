@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = [sys.executable, "-m", "fenics_contact"]
 SLAB = [*PROGRAM, "run", str(ROOT / "demos" / "slab.toml"), "--out"]
 # What the project asks of itself (s); of what is given, nothing.
-LIMITS = {"import dolfinx": None, "--help": 0.3, "--version": 0.3, "run demos/slab.toml": 1.7}
+LIMITS = {"import dolfinx": None, "--help": 0.3, "--version": 0.3, "run demos/slab.toml": 1.4}
 
 
 def commands(folder: str) -> dict[str, list[str]]:

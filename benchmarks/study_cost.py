@@ -29,8 +29,8 @@ from rich.console import Console
 from rich.table import Table
 
 from fenics_contact import Body, Scene, SolverSettings, Study, load_scene
-from fenics_contact.verification.memory.block_scenes import body_of, scene_of
-from fenics_contact.verification.memory.blocks import Case, slab
+from fenics_contact.verification.memory_check import BlockCase, slab
+from fenics_contact.verification.memory_worker import body_of, scene_of
 
 DEMOS = Path(__file__).resolve().parent.parent / "demos"
 COMM = MPI.COMM_WORLD
@@ -69,7 +69,7 @@ def demo(name: str, *settings: str) -> Callable[[], tuple[Scene, Body | None]]:
     return lambda: (load_scene(DEMOS / f"{name}.toml", [NO_BARS, *settings]), None)
 
 
-def block(case: Case) -> Callable[[], tuple[Scene, Body | None]]:
+def block(case: BlockCase) -> Callable[[], tuple[Scene, Body | None]]:
     """A block of the benchmark of costs."""
     settings = SolverSettings(errors="none")
     return lambda: (replace(scene_of(case, "auto"), solver=settings), body_of(case, COMM))

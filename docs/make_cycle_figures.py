@@ -22,7 +22,7 @@ from fenics_contact.report.drawing.figures import new_figure, save_png, style
 from fenics_contact.report.drawing.style import COLOURS, DOUBLE, FORMULA
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import RunRecord
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.simulation.output import run_folder as files
 

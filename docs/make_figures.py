@@ -16,15 +16,14 @@ import numpy as np
 
 from fenics_contact import Run, Scene
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.report.contacts.axis_stress import AxisStress
 from fenics_contact.report.contacts.curves import cut_peaks
-from fenics_contact.report.contacts.displacement import SurfaceDisplacement
+from fenics_contact.report.contacts.depth_curves import AxisStress, SurfaceDisplacement
 from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.drawing.figures import new_figure, save_png, style
 from fenics_contact.report.drawing.style import COLUMN, DOUBLE, LINES
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import RunRecord
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.simulation.output import run_folder as files
 

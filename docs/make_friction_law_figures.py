@@ -10,7 +10,7 @@ from make_figures import picture
 from fenics_contact import Obstacle, Path, Result, Steps, run
 from fenics_contact.report.drawing.figures import new_figure, style
 from fenics_contact.report.drawing.style import DOUBLE, LINES
-from fenics_contact.verification.laws.friction_bounds import block_of, stiff_pad
+from fenics_contact.verification.published.friction_bounds import block_of, stiff_pad
 
 NORMAL = {"kind": "normal compliance", "coefficient": 4e4, "exponent": 2}
 # Name → what the contact has.

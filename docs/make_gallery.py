@@ -21,8 +21,8 @@ from pathlib import Path
 from fenics_contact.report.report import write_report
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import RunRecord
-from fenics_contact.results.result_file import read_result
-from fenics_contact.results.words.rounding import rounded
+from fenics_contact.results.result import read_result
+from fenics_contact.results.rounding import rounded
 from fenics_contact.verification.case import Finding
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

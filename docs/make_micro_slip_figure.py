@@ -8,7 +8,7 @@ from make_figures import picture
 
 from fenics_contact.report.drawing.figures import new_figure, style
 from fenics_contact.report.drawing.style import COLUMN, LINES
-from fenics_contact.verification.laws.friction_bounds import block_of, to_and_fro
+from fenics_contact.verification.published.friction_bounds import block_of, to_and_fro
 
 MOVED = 5e-3
 SHARES = (0.05, 0.4, 1.0)

@@ -9,7 +9,7 @@ from make_figures import picture
 
 from fenics_contact.report.drawing.figures import new_figure, style
 from fenics_contact.report.drawing.style import COLUMN, LINES
-from fenics_contact.verification.laws.torque import ACROSS, ALONG, AXES, PRESSING, dragged
+from fenics_contact.verification.published.torque import ACROSS, ALONG, AXES, PRESSING, dragged
 
 ANGLES = (10, 45, 155, 190, 260, 335)
 

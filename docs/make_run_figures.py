@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 
 from fenics_contact.cli.program import main
 from fenics_contact.report.gallery import draw_pictures
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 
 DOCS = Path(__file__).resolve().parent
 DEMOS = DOCS.parent / "demos"

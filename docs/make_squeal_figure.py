@@ -9,9 +9,9 @@ from shutil import copyfile
 from tempfile import TemporaryDirectory
 
 from fenics_contact import load_scene
-from fenics_contact.analyses.stability.curves import draw_stability
+from fenics_contact.analyses.stability.page import draw_stability
 from fenics_contact.report.drawing.figures import style
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.simulation.output.run_folder import solve_and_write
 from fenics_contact.simulation.scene_run import Run
 

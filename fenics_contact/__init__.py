@@ -29,15 +29,14 @@ if TYPE_CHECKING:
         NotConvergedError,
     )
     from fenics_contact.contact.laws.allowed import allow_laws
-    from fenics_contact.contact.laws.friction.rules.own_bound import UserFriction
-    from fenics_contact.contact.laws.normal.own_energy import UserContactEnergy
+    from fenics_contact.contact.laws.friction.coulomb import UserFriction
+    from fenics_contact.contact.laws.normal.energy_law import UserContactEnergy
     from fenics_contact.explore.exploration import Exploration
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
-    from fenics_contact.scene.accuracy import Accuracy
     from fenics_contact.scene.body import Material
-    from fenics_contact.scene.contact import Contact
+    from fenics_contact.scene.contact import Contact, Wear
     from fenics_contact.scene.laws.friction_laws import (
         ComplianceFriction,
         CoulombFriction,
@@ -50,24 +49,25 @@ if TYPE_CHECKING:
         SlipDependentFriction,
         SpeedDependentFriction,
     )
-    from fenics_contact.scene.laws.normal_laws import (
+    from fenics_contact.scene.laws.law_tables import (
         NormalCompliance,
         OwnNormalLaw,
         PressureFormula,
     )
-    from fenics_contact.scene.laws.wear import Wear
-    from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
+    from fenics_contact.scene.loading.conditions import Load, Point, Preload
     from fenics_contact.scene.loading.cycles import Cycles
+    from fenics_contact.scene.loading.inertia_kinds import Rotation
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
+    from fenics_contact.scene.loading.supports import FaceRotation, Support
     from fenics_contact.scene.obstacle import HalfSpace, Obstacle
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
-    from fenics_contact.scene.steps import SolverSettings, Steps
+    from fenics_contact.scene.settings import Accuracy, SolverSettings, Steps
     from fenics_contact.scene.units.table import Units
     from fenics_contact.scene.values import Path, Profile
+    from fenics_contact.simulation.fits.curves import Objective
     from fenics_contact.simulation.fits.fit import Fit, fit
     from fenics_contact.simulation.fits.measured import Measured
-    from fenics_contact.simulation.fits.objective import Objective
     from fenics_contact.simulation.runs import run, run_with_fields
     from fenics_contact.simulation.scene_run import Run
     from fenics_contact.simulation.studies.study import Study
@@ -90,6 +90,7 @@ __all__ = [
     "DerivativeRequest",
     "Discretisation",
     "Exploration",
+    "FaceRotation",
     "FatigueLimits",
     "FenicsContactError",
     "Fit",
@@ -123,6 +124,7 @@ __all__ = [
     "Profile",
     "Rayleigh",
     "Result",
+    "Rotation",
     "Run",
     "Scene",
     "SlipDependentFriction",
@@ -158,15 +160,17 @@ _MODULES = {
         "NotConvergedError",
     ),
     "contact.laws.allowed": ("allow_laws",),
-    "contact.laws.friction.rules.own_bound": ("UserFriction",),
-    "contact.laws.normal.own_energy": ("UserContactEnergy",),
+    "contact.laws.friction.coulomb": ("UserFriction",),
+    "contact.laws.normal.energy_law": ("UserContactEnergy",),
     "explore.exploration": ("Exploration",),
     "mesh.tagged_mesh": ("Body", "Group"),
     "results.contact_points": ("ContactPoints",),
     "results.result": ("Check", "Result"),
     "scene.scene": ("Discretisation", "Scene"),
-    "scene.loading.conditions": ("Load", "Point", "Preload", "Support"),
-    "scene.accuracy": ("Accuracy",),
+    "scene.loading.conditions": ("Load", "Point", "Preload"),
+    "scene.loading.supports": ("FaceRotation", "Support"),
+    "scene.loading.inertia_kinds": ("Rotation",),
+    "scene.settings": ("Accuracy", "SolverSettings", "Steps"),
     "scene.loading.cycles": ("Cycles",),
     "analyses.wear_cycles.table": ("CycleJump",),
     "scene.loading.motion": ("Motion", "MotionModes", "Rayleigh"),
@@ -174,7 +178,7 @@ _MODULES = {
     "analyses.fretting.table": ("FatigueLimits", "Fretting", "StrainLifeLine"),
     "analyses.stability.table": ("Stability",),
     "analyses.vibration.table": ("Damping", "Modes"),
-    "scene.contact": ("Contact",),
+    "scene.contact": ("Contact", "Wear"),
     "scene.obstacle": ("HalfSpace", "Obstacle"),
     "scene.laws.friction_laws": (
         "ComplianceFriction",
@@ -188,14 +192,12 @@ _MODULES = {
         "SlipDependentFriction",
         "SpeedDependentFriction",
     ),
-    "scene.laws.normal_laws": ("NormalCompliance", "OwnNormalLaw", "PressureFormula"),
+    "scene.laws.law_tables": ("NormalCompliance", "OwnNormalLaw", "PressureFormula"),
     "scene.reading": ("load_scene",),
     "scene.body": ("Material", "MeshSource"),
-    "scene.steps": ("SolverSettings", "Steps"),
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
-    "scene.laws.wear": ("Wear",),
-    "simulation.fits.objective": ("Objective",),
+    "simulation.fits.curves": ("Objective",),
     "simulation.fits.fit": ("Fit", "fit"),
     "simulation.fits.measured": ("Measured",),
     "simulation.scene_run": ("Run",),

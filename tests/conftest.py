@@ -6,20 +6,23 @@ import copy
 import functools
 import gc
 import importlib.metadata
+import importlib.util
 import json
 import logging
 import os
 import sys
 import zlib
+from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 from fenics_contact.mesh import loading
 from fenics_contact.report.drawing import style
 from fenics_contact.simulation import step_driver  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
-from tests import compiled_headers
+from tests import compiled_headers, messages
 from tests.scenes import ROOT
 
 from ffcx.codegeneration import jit  # isort: skip
@@ -34,13 +37,23 @@ def pytest_configure(config):
     if COMM.rank > 0:  # one rank reports
         reporter = config.pluginmanager.getplugin("terminalreporter")
         config.pluginmanager.unregister(reporter)
+    if config.getoption("write_messages"):
+        if COMM.size > 1 or config.getoption("numprocesses", None):
+            raise pytest.UsageError("--write-messages: one process writes them")
+        messages.WRITTEN = {}
 
 
 def pytest_unconfigure(config):
+    if messages.WRITTEN is not None:
+        messages.write()
     COMM.Barrier()  # a rank that ends early would take the report of rank 0 with it
 
 
 def pytest_addoption(parser):
+    parser.addoption(
+        "--write-messages", action="store_true",
+        help="write what messages say now into tests/messages.toml",
+    )  # fmt: skip
     parser.addoption(
         "--one-case-in", type=int, default=1, metavar="N", help="of each test, at least one case"
     )
@@ -152,18 +165,44 @@ def pytest_runtest_teardown(item, nextitem):
         PETSc.garbage_cleanup(COMM)
 
 
+def _without_errors(patch):
+    patch.setattr(step_driver, "error_budget", lambda *history: ErrorBudget())
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _error_budget_of_fixtures(request):
+    """What a file solves for its tests has errors estimated if one of these is of errors."""
+    tests = (item for item in request.session.items if item.path == request.path)
+    with pytest.MonkeyPatch.context() as patch:
+        if not any(test.get_closest_marker("errors") for test in tests):
+            _without_errors(patch)
+        yield
+
+
 @pytest.fixture(autouse=True)
 def _error_budget(request, monkeypatch):
     """Only tests of errors have them estimated: it takes about as long as a run."""
     if request.node.get_closest_marker("errors") is None:
-        monkeypatch.setattr(step_driver, "error_budget", lambda *history: ErrorBudget())
+        _without_errors(monkeypatch)
 
 
 @pytest.fixture(autouse=True)
-def _fonts_drawn_quickly(request, monkeypatch):
-    """Outlines of letters instead of parts of fonts, which take a fifth of the time of pictures."""
-    if request.node.get_closest_marker("fonts") is None:
-        monkeypatch.setitem(style.STYLE, "pdf.fonttype", 3)
+def _pdfs_quickly(request, monkeypatch):
+    """Empty PDFs beside pictures, which take half their time; for papers outlines of letters.
+
+    Instead of parts of fonts, which take a fifth of the time of a figure.
+    """
+    if request.node.get_closest_marker("pdf") is not None:
+        return
+    saved = Figure.savefig
+
+    def save(figure, path, **look):
+        if Path(path).suffix == ".pdf" and "format" not in look:
+            return Path(path).touch()
+        return saved(figure, path, **look)
+
+    monkeypatch.setattr(Figure, "savefig", save)
+    monkeypatch.setitem(style.STYLE, "pdf.fonttype", 3)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -186,15 +225,15 @@ def _forms_compiled_quickly(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(config))
         patch.setattr(importlib.metadata, "entry_points", entry_points)
-        patch.setattr(jit, "get_cached_module", loaded_once(jit.get_cached_module))
+        search = loaded_once(without_listing(jit.get_cached_module))
+        patch.setattr(jit, "get_cached_module", search)
         yield
 
 
 def loaded_once(load):
-    """FFCx's search for compiled forms, but for those that this process has.
+    """A search for compiled forms, but for those that this process has.
 
-    It lists all files of the cache, thousands, for each form. What is no longer there is searched
-    for as ever, for it is to be compiled anew.
+    What is no longer there is searched for as ever, for it is to be compiled anew.
     """
     loaded = {}
 
@@ -206,6 +245,21 @@ def loaded_once(load):
         if module is not None:
             loaded[wanted] = objects, module
         return objects, module
+
+    return find
+
+
+def without_listing(load):
+    """FFCx's search, which lists all files of the cache for each form, thousands: by its name."""
+
+    def find(module_name, object_names, cache_dir, timeout):
+        file = Path(cache_dir, module_name + EXTENSION_SUFFIXES[0])
+        if not Path(cache_dir, f"{module_name}.c.cached").exists() or not file.exists():
+            return load(module_name, object_names, cache_dir, timeout)
+        spec = importlib.util.spec_from_file_location(module_name, file)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return [getattr(module.lib, name) for name in object_names], module
 
     return find
 

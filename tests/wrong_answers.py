@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 
 def with_body(solution: Solution, **changes: Array) -> Solution:

@@ -97,7 +97,7 @@ class BodyDescription:
             thickness=scene.thickness,
             degree=scene.discretisation.degree,
             material=tuple(_elastic(each) for each in scene.material),
-            held=tuple(HeldGroup(each.on, tuple(each.displacement)) for each in scene.support),
+            held=tuple(HeldGroup(each.on, each.held(scene.dimension)) for each in scene.support),
             symmetry=scene.symmetry,
             outer=scene.half_space.on if scene.half_space else (),
             contacts=tuple(

@@ -20,11 +20,11 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import Mesh
 from numpy.typing import NDArray
+from ufl.core.expr import Expr
 
 from fenics_contact.body import materials as material
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
-from fenics_contact.body.forms import Expr
 from fenics_contact.body.materials import Elasticities, Moduli
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
 from fenics_contact.body.spaces import Spaces
@@ -106,7 +106,7 @@ class ElasticBody:
         return found
 
     def _forces_of(self, part: PreloadedPart) -> ScalarForces:
-        """Derivatives of the energy in a part, of the strain that is elastic."""
+        """Slopes of the energy in a part, of the strain that is elastic."""
         shortening = ufl.variable(part.shortening)
         e = self.strain(self.displacement) - part.stressless_strain(shortening)
         if self.mixed is None:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
 import ufl
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import Expr
 from fenics_contact.scene.values import VOIGT, Kinematics
 
 Coefficient: TypeAlias = Expr | float

@@ -9,8 +9,8 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from scipy.sparse import csr_matrix
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import Expr
 from fenics_contact.body.materials import MaterialPoints
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
@@ -18,6 +18,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import smallest
+from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.body import Material
 
 
@@ -100,26 +101,29 @@ class Mass:
         return spaces.summed(nodal)[:, 0]
 
 
-def density_of(materials: Sequence[Material], spaces: Spaces) -> fem.Constant | fem.Function:
+def density_of(
+    materials: Sequence[Material], spaces: Spaces, group: Group | None = None
+) -> fem.Constant | fem.Function:
     """ρ, a coefficient in UFL (mass/volume); collective.
 
     Args:
-        materials: Of the scene; each must have a density.
+        materials: Of the scene; each of the cells' must have a density.
         spaces: Of the body.
+        group: Cells; by default those of the whole body.
 
     Raises:
         InputError: A material has no density, or it is not greater than 0 everywhere.
     """
-    values = []
-    for number, material in enumerate(materials):
-        if material.density is None:
+    values = [material.density for material in materials]
+    points = MaterialPoints(materials, spaces, any(callable(value) for value in values))
+    needed = points.owners(group)
+    for number in needed:
+        if values[number] is None:
             key = f"material[{number}]" if len(materials) > 1 else "material"
             raise InputError(
                 f"{key}.density is missing: give the mass of a unit of volume, greater than 0"
             )
-        values.append(material.density)
-    points = MaterialPoints(materials, spaces, any(callable(value) for value in values))
-    found = points.evaluate("density", values)
+    found = points.evaluate("density", [1.0 if value is None else value for value in values])
     least = smallest(spaces.comm, found)
     if least <= 0:
         raise InputError(

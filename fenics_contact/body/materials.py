@@ -20,7 +20,8 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import largest, raise_together, smallest
+from fenics_contact.common.parallel import largest, of_every_rank, raise_together, smallest
+from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.values import Value
 
@@ -127,12 +128,20 @@ class MaterialPoints:
         owner_of_point[self.space.dofmap.list] = owner[:, None]
         return owner_of_point
 
-    def evaluate(self, name: str, values: Sequence[Value]) -> Array:
-        """One coefficient at all points: value i where material i is; collective.
+    def owners(self, group: Group | None) -> list[int]:
+        """Return the numbers of the materials that some cells have; collective.
 
         Args:
-            name: Of its key.
-            values: One of each material.
+            group: The cells; None for those of the whole body.
+        """
+        if group is None:
+            return list(range(len(self._materials)))
+        points = self.space.dofmap.list[self._spaces.body.entities(group)]
+        mine = set(np.unique(self.owner[points]).tolist())
+        return sorted(set().union(*of_every_rank(self._spaces.comm, mine)))
+
+    def evaluate(self, name: str, values: Sequence[Value]) -> Array:
+        """One coefficient at all points: value i where material i is; collective.
 
         Raises:
             InputError: A function fails, or gives what is not finite.
@@ -145,11 +154,7 @@ class MaterialPoints:
         return found
 
     def coefficient(self, values: Array) -> fem.Constant | fem.Function:
-        """A constant where the values are all the same, else a function; collective.
-
-        Args:
-            values: At all points.
-        """
+        """A constant where the values are all the same, else a function; collective."""
         comm = self._spaces.comm
         least = smallest(comm, values)
         if least == largest(comm, values):

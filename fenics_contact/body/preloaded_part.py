@@ -1,7 +1,7 @@
 """A preloaded part of a body: its ends, its shortening q, and the forces between q and the body.
 
 Forces between a scalar q of the body's energy W(u, s, q) and u, a mean stress s. The bulk is
-linear, so that second derivatives of W say all: ∂²W/∂u∂q are the forces of a unit of q, and with
+linear, so that its Hessian says all: ∂²W/∂u∂q are the forces of a unit of q, and with
 ∂²W/∂q² they make the force ∂W/∂q that does work on q.
 
 A part of the body whose unstressed length is shorter than drawn by q, as that of a tight bolt. Its
@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 import ufl
 from dolfinx import fem
+from ufl.core.expr import Expr
 
 from fenics_contact.body.description import PreloadedGroup
 from fenics_contact.body.elasticity import Law
-from fenics_contact.body.forms import Expr
 from fenics_contact.body.spaces import Spaces, summed_over_ranks
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
@@ -122,7 +122,7 @@ class PartEnds:
 
 @dataclass(frozen=True, eq=False)
 class ScalarForces:
-    """Second derivatives of the body's energy in a scalar q.
+    """Second derivative of the body's energy in a scalar q.
 
     Attributes:
         spaces: Those of the body.
@@ -228,11 +228,7 @@ class PreloadedPart:
         return self.spaces.part(self.group, rule)
 
     def stressless_strain(self, shortening: Expr) -> Expr:
-        """−(q/l) a ⊗ a, (3, 3); in plane stress with what leaves that free across the plane.
-
-        Args:
-            shortening: q.
-        """
+        """−(q/l) a ⊗ a, (3, 3); in plane stress with what leaves that free across the plane."""
         return -shortening / self.length * self._along
 
     @property

@@ -88,11 +88,7 @@ class DisplacementPoints:
         return dict(zip(self._names, displacements.tolist(), strict=True))
 
     def gradient(self, quantity: str, axis: int) -> Array:
-        """Derivatives of a component of one of them in the displacement; collective.
-
-        Args:
-            quantity: Its name.
-            axis: The component.
+        """Gradient of a component of one of them in the displacement; collective.
 
         Returns:
             At the body's nodes of this rank, (nodes, components).
@@ -219,12 +215,12 @@ def _references_of(mesh: Mesh, corners: Array, places: Array) -> tuple[Array, Fl
     return references, settled & (beyond <= _OUTSIDE)
 
 
-def _table(element: FiniteElement, derivatives: int, references: Array) -> Array:
+def _table(element: FiniteElement, order: int, references: Array) -> Array:
     """Shape functions, and their slopes, at points: (1 or 1 + dimension, points, nodes)."""
     if len(references):
-        return np.asarray(element.tabulate(derivatives, references))
+        return np.asarray(element.tabulate(order, references))
     # basix takes no empty list of points
-    return np.zeros((1 + derivatives * references.shape[1], 0, element.dim))
+    return np.zeros((1 + order * references.shape[1], 0, element.dim))
 
 
 def _written(values: Sequence[float]) -> str:

@@ -15,11 +15,11 @@ from dolfinx import fem, la
 from dolfinx.common import IndexMap
 from mpi4py import MPI
 from numpy.typing import NDArray
+from ufl.core.expr import Expr
 
 from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import measure_weight
-from fenics_contact.body.forms import Expr
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError

@@ -14,8 +14,8 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, of_every_rank, raise_together, smallest, total
-from fenics_contact.scene.loading.conditions import Support
 from fenics_contact.scene.loading.load_paths import KeyedPath, knots
+from fenics_contact.scene.loading.supports import FaceRotation, Support
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import AXES, RAMP, AxisName, Value
 
@@ -232,11 +232,20 @@ class Supports:
     def _support(self, key: str, support: Support, held: Held) -> AppliedSupport:
         spaces = self._spaces
         nodes = (held.dofs // spaces.components).astype(np.int32)
-        nodes = nodes.reshape(len(support.displacement), -1)
+        axes = support.held(spaces.components)
+        nodes = nodes.reshape(len(axes), -1)
+        given = [support.displacement.get(axis, 0.0) for axis in axes]
         values = [
             spaces.evaluate(value, of_axis, f"{key}.displacement.{axis}")
-            for of_axis, (axis, value) in zip(nodes, support.displacement.items(), strict=True)
+            for of_axis, axis, value in zip(nodes, axes, given, strict=True)
         ]
+        turn = support.rotation
+        if turn is not None:
+            places = [spaces.coordinates[of_axis].T for of_axis in nodes]
+            values = [
+                moved + turn.displacement(axis, points)
+                for moved, axis, points in zip(values, axes, places, strict=True)
+            ]
         path = KeyedPath(support.path, f"{key}.path")
         return AppliedSupport(held.on, held.dofs, np.concatenate(values), path, support.label)
 
@@ -308,7 +317,7 @@ class Supports:
         return self._first_to_hold(self.applied, time)
 
     def slopes(self, number: int, axis: AxisName, unit: Value, time: float) -> Array:
-        """Derivatives of the same in what a support of the scene prescribes; collective.
+        """Slopes of the same in what a support of the scene prescribes; collective.
 
         Args:
             number: Of the support.
@@ -321,6 +330,24 @@ class Supports:
         nodes = (support.dofs[mine] // components).astype(np.int32)
         values = np.zeros(len(support.dofs))
         values[mine] = self._spaces.evaluate(unit, nodes, f"support[{number}].displacement.{axis}")
+        others = [replace(one, values=np.zeros(len(one.dofs))) for one in self.applied]
+        others[number] = replace(support, values=values)
+        return self._first_to_hold(others, time)
+
+    def rotation_slopes(self, number: int, rotation: FaceRotation, time: float) -> Array:
+        """Displacements of ``dofs`` that a support turns by a rotation alone (length).
+
+        Args:
+            number: Of the support.
+            rotation: By which it turns what it holds.
+            time: The pseudo-time.
+        """
+        support, components = self.applied[number], self._spaces.components
+        nodes, axes = np.divmod(support.dofs, components)
+        points, values = self._spaces.coordinates[nodes].T, np.zeros(len(nodes))
+        for axis in np.unique(axes):
+            mine = axes == axis
+            values[mine] = rotation.displacement(AXES[int(axis)], points[:, mine])
         others = [replace(one, values=np.zeros(len(one.dofs))) for one in self.applied]
         others[number] = replace(support, values=values)
         return self._first_to_hold(others, time)

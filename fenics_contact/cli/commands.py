@@ -33,11 +33,10 @@ from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation.output import run_folder as files
-from fenics_contact.simulation.output.folder_lock import FolderLock
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.output.journal_file import FolderLock
 from fenics_contact.simulation.scene_run import Run
+from fenics_contact.simulation.state_file import StateFile
 
 logger = logging.getLogger(__name__)
 
@@ -46,7 +45,7 @@ def execute(options: argparse.Namespace) -> int:
     """Do what a command line asks for, and return the exit code; collective.
 
     Args:
-        options: As ``cli_options.parse`` finds them.
+        options: As ``cli.program.parse`` finds them.
     """
     if options.version:
         return guarded(lambda: on_root(MPI.COMM_WORLD, _print_all_versions))
@@ -78,7 +77,7 @@ def execute_script(scene: Scene, options: argparse.Namespace) -> int:
 
     Args:
         scene: What to solve.
-        options: As ``cli_options.parse_script`` finds them.
+        options: As ``cli.program.parse_script`` finds them.
     """
     _log_to_terminal(options, logging.INFO)
     return guarded(lambda: _solve(scene, options.out, options, not options.no_pictures))
@@ -117,7 +116,8 @@ def _load(options: argparse.Namespace) -> Scene:
 
 def _check(options: argparse.Namespace) -> int:
     from fenics_contact.simulation.adaptive.targets import adaptive_plan
-    from fenics_contact.trust.convergence.hidden_obstacles import hidden_obstacles, words
+    from fenics_contact.simulation.description import words_on_contact_dofs
+    from fenics_contact.trust.convergence.coarse_contacts import hidden_obstacles, words_on_hidden
 
     comm = MPI.COMM_WORLD
     scene = _load(options)
@@ -126,10 +126,14 @@ def _check(options: argparse.Namespace) -> int:
         model = prepared.model
         plan = adaptive_plan(prepared)
         hidden = hidden_obstacles(prepared.problem)
+        condensed = words_on_contact_dofs(prepared.problem, prepared.choice)
     if comm.rank == 0 and not options.quiet:
         body = prepared.problem.body
         relations = [relation.words for relation in body.relations]
-        said = (relations, [*body.notes, *words(hidden, prepared.problem.spaces.components)])
+        said = (
+            relations,
+            [*body.notes, *words_on_hidden(hidden, body.dimension), *condensed],
+        )
         print_model(scene, model, body.known_groups(), prepared.contacts(), plan, *said)
     return 0
 
@@ -146,7 +150,7 @@ def _solve(scene: Scene, folder: Path, options: argparse.Namespace, pictures: bo
     files.require_writable(folder, comm)
     with FolderLock(folder) as lock, petsc_options.given(settings, comm):
         on_root(comm, lock.take)
-        with activity(scene.load_steps, comm, options.quiet, names_of(scene)) as announce:
+        with activity(scene.load_steps, comm, options.quiet, scene.unit_names) as announce:
             prepared = _prepared(scene, comm)
             on_root(comm, lambda: lock.take(make=True))
             solve = _solve_steps if scene.accuracy is None else _solve_levels
@@ -164,7 +168,7 @@ def _prepared(scene: Scene, comm: MPI.Comm) -> Run:
     """A scene made ready, on the mesh with which it begins; collective."""
     if scene.accuracy is None:
         return Run(scene, comm)
-    from fenics_contact.simulation.adaptive.fine_enough import first_run
+    from fenics_contact.simulation.adaptive.next_mesh import first_run
 
     return first_run(scene, comm)
 
@@ -210,7 +214,7 @@ def _draw(folder: Path, quiet: bool) -> None:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    from fenics_contact.cli.completion.printed import print_text
+    from fenics_contact.cli.completion import print_text
 
     return print_text(options)
 
@@ -221,7 +225,7 @@ def _asked_report(options: argparse.Namespace) -> int:
         if options.width is not None:
             raise InputError("--width: is that of --figures; say --figures pdf or --figures svg")
         return _report(options.folder, options.quiet)
-    from fenics_contact.report.drawing.paper import Paper
+    from fenics_contact.report.drawing.figures import Paper
     from fenics_contact.report.report import write_figures
 
     for path in write_figures(options.folder, Paper(options.figures, options.width)):
@@ -232,10 +236,10 @@ def _asked_report(options: argparse.Namespace) -> int:
 
 def _report(folder: Path, quiet: bool) -> int:
     from fenics_contact.analyses import registry
-    from fenics_contact.report.fit.page import write_fit_page
+    from fenics_contact.report.page.fit import write_fit_page
+    from fenics_contact.report.page.sweep import write_sweep_page
+    from fenics_contact.report.page.sweep_files import RECORD
     from fenics_contact.report.report import PAGE, write_report
-    from fenics_contact.report.sweep.files import RECORD
-    from fenics_contact.report.sweep.page import write_sweep_page
     from fenics_contact.results.fit_record import RECORD as FIT
 
     if (folder / RECORD).exists():
@@ -253,31 +257,31 @@ def _report(folder: Path, quiet: bool) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
-    from fenics_contact.cli.compare.command import compare
+    from fenics_contact.cli.compare import compare
 
     return compare(options)
 
 
 def _sweep(options: argparse.Namespace) -> int:
-    from fenics_contact.cli.sweep.command import sweep
+    from fenics_contact.cli.sweep import sweep
 
     return sweep(options)
 
 
 def _explore(options: argparse.Namespace) -> int:
-    from fenics_contact.cli.explore.command import explore
+    from fenics_contact.cli.explore import explore
 
     return explore(options)
 
 
 def _fit(options: argparse.Namespace) -> int:
-    from fenics_contact.cli.fit.command import fit
+    from fenics_contact.cli.fit import fit
 
     return fit(options)
 
 
 def _look(options: argparse.Namespace) -> int:
-    from fenics_contact.cli.look.command import look_at
+    from fenics_contact.cli.new_scene import look_at
 
     said = look_at(options.file, options.out, options.tolerance)
     if not options.quiet:

@@ -4,26 +4,123 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, NoReturn
 
-from fenics_contact.cli import figures, texts
-from fenics_contact.cli.compare import options as compare
-from fenics_contact.cli.explore import options as explore
-from fenics_contact.cli.fit import options as fit
-from fenics_contact.cli.look import options as look
-from fenics_contact.cli.sweep import options as sweep
+from fenics_contact.cli import tool_options as tools
 from fenics_contact.common.wording import did_you_mean, printable
 
 PROGRAM = "fenics-contact"
 
 SHELLS = ("bash", "zsh", "fish")
+# Commands that print a text and say nothing else.
+TEXTS = ("schema", "materials", "completion")
+
+_ABOUT = """\
+Contact with friction in elastostatics, on FEniCSx: a scene in a file says what the body is, what
+holds it, loads it and touches it; the answer comes with checks of the physics and with error bars.
+After Campos, Oden and Kikuchi (1982)."""
+
+_EXIT_CODES = """\
+Exit codes:
+  0    converged, and every check passed
+  2    bad input, or a scene that has no equilibrium
+  3    not converged, or not to the accuracy asked for
+  4    converged, but a check of the physics failed
+  5    the machine failed: memory, disk, a rank
+  130  interrupted; the last load step that was done is kept"""
+
+_FIRST = """\
+Examples:
+  fenics-contact new hertz              # a scene to start from, with its mesh
+  fenics-contact look joint.step        # a CAD file as a page, and a scene to complete
+  fenics-contact check hertz.toml       # what would be modelled
+  fenics-contact run hertz.toml         # solves it
+  fenics-contact sweep hertz.toml --vary contact.0.friction_coefficient=0:0.5:6
+  fenics-contact report results/hertz   # pictures and a page
+  mpirun -n 4 fenics-contact run hertz.toml
+
+fenics-contact COMMAND --help says more of each."""
+
+_RUN_EXAMPLES = """\
+Examples:
+  fenics-contact run scene.toml
+  fenics-contact run scene.toml --out here --set load.0.pressure=5
+  fenics-contact run scene.toml --set "load.0.traction=[-600, 0]" --set accuracy=1e-2
+  fenics-contact run scene.toml --resume
+  fenics-contact run scene.toml -- -snes_monitor -mat_mumps_icntl_14 80
+  mpirun -n 4 fenics-contact run scene.toml"""
+
+_PETSC = """\
+What follows -- is for PETSc, and wins over the program's choices, for this run alone. Options get
+the prefix fenics_contact_ if they have not got it: -snes_max_it 50 (Newton's method), -ksp_view,
+-mat_mumps_icntl_14 80 (the body's factorisation); with solver = "iterative" also -bulk_...
+(multigrid) and -zone_... (MUMPS at the contacts). Options that nothing used are named at the end.
+With the prefix they may also stand in the environment variable PETSC_OPTIONS."""
+
+_CHECK = """\
+Reads scene and mesh as `run` does and says what would be modelled: energy terms, unknowns, solver,
+memory, what may still move. It refuses what `run` would refuse, and writes nothing.
+
+Examples:
+  fenics-contact check scene.toml
+  fenics-contact check scene.toml --set mesh.size=0.1"""
+
+_REPORT = """\
+Makes pictures and a page, report.html, of what a run has left in its folder; of a sweep its page,
+sweep.html, of a fit its page, fit.html, of cycles that wear theirs, wear.html. It needs the extra
+`pictures` (pyvista, matplotlib), but no mesh, no scene and no MPI.
+
+Example:
+  fenics-contact report results/hertz"""
+
+_VERIFY = """\
+Runs cases that have a formula or a published result: value, reference, source and error of each.
+
+Examples:
+  fenics-contact verify                 # all of them
+  fenics-contact verify --quick         # about a minute
+  fenics-contact verify hertz_sphere --json found.json
+  fenics-contact verify --hard          # hard cases; minutes
+  fenics-contact verify --errors        # error bars; a quarter of an hour"""
+
+_NEW = """\
+Writes a scene with comments, and its mesh beside it, that runs as it is. Files that are there
+already are left alone.
+
+Examples:
+  fenics-contact new --list
+  fenics-contact new hertz
+  fenics-contact new own --out mine/first.toml"""
+
+_SCHEMA = """\
+Prints the JSON schema of a scene, from which editors complete keys, show what they mean and mark
+what is wrong: VS Code with Even Better TOML, and others.
+
+Example:
+  fenics-contact schema > scene.schema.json   # a scene names it in its first line:
+                                              # #:schema ./scene.schema.json"""
+
+_MATERIALS = """\
+Prints the materials that a scene with [units] may name, such as material.name = "steel S355", with
+Young's modulus, Poisson's ratio, density, thermal expansion and the source of these.
+
+Example:
+  fenics-contact materials > materials.txt"""
+
+_COMPLETION = """\
+Prints a script by which a shell completes commands, options, scene files, keys after --set and
+names of scenes to start from. It does not start the program, so it answers at once.
+
+Examples:
+  fenics-contact completion bash > ~/.local/share/bash-completion/completions/fenics-contact
+  fenics-contact completion fish > ~/.config/fish/completions/fenics-contact.fish
+  fenics-contact completion zsh > ~/.zfunc/_fenics-contact   # a folder of $fpath"""
 
 _EXIT_BRIEFLY = "Exit codes: see fenics-contact --help."
-_EPILOGS = {"run": f"{texts.RUN_EXAMPLES}\n\n{texts.EXIT_CODES}", "sweep": sweep.EPILOG}
+_EPILOGS = {"run": f"{_RUN_EXAMPLES}\n\n{_EXIT_CODES}", "sweep": tools.SWEEP_EPILOG}
 
 
 class _Formatter(argparse.HelpFormatter):
@@ -77,75 +174,13 @@ def is_first_rank() -> bool:
     return all(rank == "0" for rank in ranks)
 
 
-def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Parse the words after ``fenics-contact``.
-
-    Args:
-        arguments: These words.
-
-    Returns:
-        ``command``, and the options of that command; ``petsc`` are the words after ``--``.
-
-    Raises:
-        SystemExit: Help was asked for (0), or something is wrong (2); it was said.
-    """
-    parser, commands = parsers()
-    words, petsc = _split(arguments)
-    first = next((word for word in words if not word.startswith("-")), None)
-    if first is not None and first not in commands:
-        known = list(commands)
-        hint = did_you_mean(first, known) or f"; there are {', '.join(known)}"
-        parser.error(f"there is no command '{first}'{hint}")
-    options, left = parser.parse_known_args(words, argparse.Namespace(petsc=petsc))
-    if left:
-        (parser if first is None else commands[first]).refuse_unknown(left)
-    if options.command is None and not (options.version or options.all_versions):
-        parser.print_help(sys.stderr)
-        parser.exit(2)
-    if options.all_versions and not options.version:
-        parser.error("--verbose belongs to --version, or comes after a command")
-    if petsc and options.command != "run":
-        parser.error("only the command run takes PETSc options, after --")
-    return options
-
-
-def parse_script(
-    arguments: Sequence[str] | None, default_folder: str, description: str
-) -> argparse.Namespace:
-    """What the words after a demo script ask for; see ``parse``."""
-    parser = _Parser(
-        description=description,
-        usage="%(prog)s [options] [-- PETSc options]",
-        epilog=texts.EXIT_CODES,
-    )
-    parser.add_argument(
-        "--out", type=Path, default=Path(default_folder), help=f"results folder ({default_folder})"
-    )
-    parser.add_argument("--no-pictures", action="store_true", help="write files only")
-    _add_resume(parser)
-    _add_verbosity(parser)
-    parser.add_argument_group("PETSc", texts.PETSC)
-    words, petsc = _split(sys.argv[1:] if arguments is None else arguments)
-    options, left = parser.parse_known_args(words, argparse.Namespace(petsc=petsc))
-    if left:
-        parser.refuse_unknown(left)
-    return options
-
-
-def _split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The words before and after the first ``--``."""
-    words = list(arguments)
-    place = words.index("--") if "--" in words else len(words)
-    return words[:place], words[place + 1 :]
-
-
 def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     """The program's parser and, by their names, those of its commands."""
     parser = _Parser(
         prog=PROGRAM,
         usage="%(prog)s COMMAND [options]",
-        description=texts.ABOUT,
-        epilog=f"{texts.FIRST}\n\n{texts.EXIT_CODES}",
+        description=_ABOUT,
+        epilog=f"{_FIRST}\n\n{_EXIT_CODES}",
     )
     parser.add_argument(
         "--version", action="store_true", help="versions of the program and of dolfinx"
@@ -159,28 +194,29 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     group = parser.add_subparsers(prog=PROGRAM, dest="command", metavar="COMMAND", title="commands")
     made = {}
     for name, words, usage, description in (
-        ("new", "write a scene to start from", "NAME [options]", texts.NEW),
-        look.COMMAND,
+        ("new", "write a scene to start from", "NAME [options]", _NEW),
+        tools.LOOK,
         (
             "check",
             "say what would be modelled, without solving",
             "SCENE.toml [options]",
-            texts.CHECK,
+            _CHECK,
         ),
         ("run", "solve a scene", "SCENE.toml [options] [-- PETSc options]", ""),
-        sweep.COMMAND,
-        fit.COMMAND,
-        explore.COMMAND,
+        tools.SWEEP,
+        tools.FIT,
+        tools.EXPLORE,
         (
             "report",
             "pictures and a page from the files of a run, sweep, fit or wear",
             "DIR [options]",
-            texts.REPORT,
+            _REPORT,
         ),
-        compare.COMMAND,
-        ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", texts.VERIFY),
-        ("schema", "print the JSON schema of a scene, for editors", "[options]", texts.SCHEMA),
-        ("completion", "print a completion script, for shells", "bash|zsh|fish", texts.COMPLETION),
+        tools.COMPARE,
+        ("verify", "run analytic and published benchmarks", "[NAME ...] [options]", _VERIFY),
+        ("schema", "print the JSON schema of a scene, for editors", "[options]", _SCHEMA),
+        ("materials", "print the materials that scenes may name", "", _MATERIALS),
+        ("completion", "print a completion script, for shells", "bash|zsh|fish", _COMPLETION),
     ):
         made[name] = group.add_parser(
             name,
@@ -192,30 +228,47 @@ def parsers() -> tuple[_Parser, dict[str, _Parser]]:
     _describe_run(made["run"])
     _describe_check(made["check"])
     _add_scene(made["explore"])
-    explore.describe(made["explore"])
+    tools.describe_explore(made["explore"])
     _describe_new(made["new"])
-    look.describe(made["look"])
+    tools.describe_look(made["look"])
     _add_scene(made["sweep"])
-    sweep.describe(made["sweep"])
+    tools.describe_sweep(made["sweep"])
     _add_scene(made["fit"])
-    fit.describe(made["fit"])
+    tools.describe_fit(made["fit"])
     made["report"].add_argument(
         "folder",
         metavar="DIR",
         type=Path,
         help="results of a run, a sweep, a fit or of cycles that wear",
     )
-    figures.describe(made["report"])
-    compare.describe(made["compare"])
+    tools.describe_figures(made["report"])
+    tools.describe_compare(made["compare"])
     _describe_verify(made["verify"])
     _add_laws(made["schema"], "import this Python module, whose kinds of loads and laws it has")
     made["schema"].set_defaults(verbose=False, quiet=False)
     made["completion"].add_argument("shell", choices=SHELLS, help="for which it is")
     for name, command in made.items():
-        if name not in ("schema", "completion"):  # which say nothing else
+        if name not in TEXTS:
             _add_verbosity(command, is_only_quiet=name == "new")
-    made["run"].add_argument_group("PETSc", texts.PETSC)
+    made["run"].add_argument_group("PETSc", _PETSC)
     return parser, made
+
+
+def script_parser(default_folder: str, description: str) -> _Parser:
+    """The parser of a script that makes a scene; see ``parse_script``."""
+    parser = _Parser(
+        description=description,
+        usage="%(prog)s [options] [-- PETSc options]",
+        epilog=_EXIT_CODES,
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path(default_folder), help=f"results folder ({default_folder})"
+    )
+    parser.add_argument("--no-pictures", action="store_true", help="write files only")
+    _add_resume(parser)
+    _add_verbosity(parser)
+    parser.add_argument_group("PETSc", _PETSC)
+    return parser
 
 
 def _describe_run(command: argparse.ArgumentParser) -> None:

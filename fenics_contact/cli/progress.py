@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import sys
 import threading
 import time
@@ -30,6 +31,8 @@ logger = logging.getLogger(__name__)
 _FIRST, _LONGEST = 10.0, 60.0
 # Characters of the bar; and of all that stands beside the words.
 _BAR = 20
+# Share of work that is done from which it is told how long the rest takes.
+_TELLS = 0.05
 _BESIDE = _BAR + len("  0:00:00 ")
 
 
@@ -123,13 +126,55 @@ def _columns(several: bool) -> tuple[ProgressColumn, ...]:
     return bar, TimeElapsedColumn(), TextColumn("{task.description}", markup=False)
 
 
+class TimeLeft:
+    """How long work takes that is left, by how long took what is done of it.
+
+    Args:
+        now: Tells the time in seconds.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self._now = now
+        self._begun = self._first = self._share = math.nan
+
+    def note(self, share: float | None) -> None:
+        """Note how much is done.
+
+        Args:
+            share: 0 … 1; less than before of work that begins anew, None of such that is not known.
+        """
+        share = math.nan if share is None else share
+        if not share >= self._share:
+            self._begun, self._first = self._now(), share
+        self._share = share
+
+    @property
+    def words(self) -> str:
+        """In words, such as `` (about 1:20 left)``; empty while too little is done to tell."""
+        done = self._share - self._first
+        if not (done >= _TELLS and self._share < 1):
+            return ""
+        spent = self._now() - self._begun
+        return f" (about {_minutes(spent * (1 - self._share) / done)} left)"
+
+
+def _minutes(seconds: float) -> str:
+    """Minutes and seconds as a clock has them."""
+    whole, rest = divmod(round(seconds), 60)
+    return f"{whole}:{rest:02d}"
+
+
 class _Listener(logging.Handler):
-    """Passes messages of all levels on; those of solves for estimates say what they are for."""
+    """Passes messages of all levels on, with the time that is left.
+
+    Those of solves for estimates say what they are for; of how far such a solve is, nothing follows
+    for the run.
+    """
 
     def __init__(self, tell: Callable[[str], None], said: Callable[[], None]) -> None:
         super().__init__(logging.DEBUG)
         self._tell, self._said = tell, said
-        self._phase = ""
+        self._phase, self._left = "", TimeLeft()
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.levelno > logging.DEBUG:
@@ -137,11 +182,15 @@ class _Listener(logging.Handler):
         if record.name == __name__:
             return
         words = record.getMessage().strip()
-        if record.name == timings.__name__:
+        is_phase = record.name == timings.__name__
+        estimates = self._phase.startswith(timings.ESTIMATING)
+        if is_phase:
             self._phase = words
-        elif self._phase.startswith(timings.ESTIMATING):
+        elif estimates:
             words = f"{self._phase}: {words}"
-        self._tell(words)
+        if hasattr(record, "share") and (is_phase or not estimates):
+            self._left.note(record.share)
+        self._tell(words + self._left.words)
 
 
 class _NowAndThen:
@@ -177,9 +226,8 @@ class _NowAndThen:
             now = time.monotonic()
             if now < self._last + self._wait:
                 continue
-            minutes, seconds = divmod(round(now - self._start), 60)
             self._last, self._wait = now, min(2 * self._wait, _LONGEST)
-            logger.info("  after %d:%02d: %s", minutes, seconds, self._words)
+            logger.info("  after %s: %s", _minutes(now - self._start), self._words)
 
 
 @contextmanager

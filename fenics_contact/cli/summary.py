@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rich import box
@@ -10,7 +11,6 @@ from rich.markup import escape
 from rich.table import Table
 
 from fenics_contact.analyses import registry
-from fenics_contact.cli.cycle_plan import cycle_plan
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.common.wording import one_line
 from fenics_contact.quantities.names import REACTION
@@ -18,26 +18,27 @@ from fenics_contact.quantities.table import with_true_value
 from fenics_contact.results.check_messages import compares, level_rows, title
 from fenics_contact.results.load_history import newton_steps
 from fenics_contact.results.quantities import (
-    idle_quantities,
-    measured_by_parameter,
-    secondary_quantities,
-)
-from fenics_contact.results.records.contacts import ContactRecord
-from fenics_contact.results.records.model import Model, RigidMotion
-from fenics_contact.results.records.record import UnitsRecord
-from fenics_contact.results.result import Check, Result
-from fenics_contact.results.words.headlines import (
     headlines,
+    idle_quantities,
     in_figures,
+    measured_by_parameter,
     preload_rows,
     quantity_rows,
     reaction_rows,
+    secondary_quantities,
 )
-from fenics_contact.results.words.tables import branch_rows, motion_words, share_words
+from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.record import UnitsRecord
+from fenics_contact.results.records.run import Model, RigidMotion
+from fenics_contact.results.result import Check, Result
+from fenics_contact.results.tables import branch_rows, motion_words, share_words
+from fenics_contact.scene.contact import Contact, Wear
+from fenics_contact.scene.given_keys import given_keys
+from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.scene.loading.load_paths import load_steps_in_cycle
 from fenics_contact.scene.reference import measured_by
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import UnitNames
-from fenics_contact.scene.units.table import names_of
 
 # Keys of the model whose names alone say little.
 _IN_WORDS = {
@@ -101,8 +102,8 @@ def print_model(
     _print_motions(console, model.rigid_motions)
     for line in _conditions(scene):
         console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
-    _print_contacts(console, contacts, names_of(scene))
-    for line in cycle_plan(scene, names_of(scene)):
+    _print_contacts(console, contacts, scene.unit_names)
+    for line in cycle_plan(scene, scene.unit_names):
         console.print(one_line(line), markup=False, highlight=False, soft_wrap=True)
     if plan:
         console.print(plan, markup=False, highlight=False, soft_wrap=True)
@@ -113,7 +114,7 @@ def print_model(
 
 def _conditions(scene: Scene) -> list[str]:
     """A line for each support, load and preload, as they were understood."""
-    lines, names = [], names_of(scene)
+    lines, names = [], scene.unit_names
 
     def unit(of: object, key: str) -> str:
         found = "" if names is None else names.of(measured_by(key, type(of)))
@@ -122,11 +123,19 @@ def _conditions(scene: Scene) -> list[str]:
     for support in scene.support:
         length = unit(support, "displacement")
         held = [f"{axis} = {_given(value)}{length}" for axis, value in support.displacement.items()]
+        if support.rotation is not None:
+            turn = support.rotation
+            about = "" if turn.axis is None else f" about {_given(turn.axis)}"
+            through = "" if turn.at is None else f" through {_given(turn.at)}"
+            held.append(f"turned by {turn.angle:g}{about}{through}")
         on = f" on '{support.on}'" if support.label != support.on else ""
         lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
     for load in scene.load:
-        value = _given(load.value) + unit(load, load.kind)
-        lines.append(f"Load '{load.on}': {load.definition.words} {value}")
+        keys = load.given
+        said = [f"{key} {_given(value)}{unit(load, key)}" for key, value in keys.items()]
+        if len(keys) == 1:
+            said = [f"{load.definition.words_of(load.value)}{said[0].removeprefix(load.kind)}"]
+        lines.append(f"Load '{load.on}': {', '.join(said)}")
     for preload in scene.preload:
         locked = preload.locked_from
         kept = "" if locked is None else f", its length locked from time {locked:g}"
@@ -141,6 +150,10 @@ def _conditions(scene: Scene) -> list[str]:
 
 def _given(value: object) -> str:
     """A value of a scene, or that it varies."""
+    if isinstance(value, str):
+        return value
+    if dataclasses.is_dataclass(value) and not callable(value):  # a table, but no profile
+        return ", ".join(f"{key} {_given(part)}" for key, part in given_keys(value).items())
     if isinstance(value, tuple):
         return f"({', '.join(map(_given, value))})"
     return f"{value:.6g}" if isinstance(value, float | int) else "varying"
@@ -282,3 +295,48 @@ def _table(*headers: str) -> Table:
     for header in headers:
         table.add_column(header)
     return table
+
+
+def cycle_plan(scene: Scene, names: UnitNames | None) -> Iterator[str]:
+    """A line on the cycles of a scene, and one for each contact that wears.
+
+    Args:
+        scene: What would be run.
+        names: Of its units, if any.
+    """
+    if scene.cycles is not None:
+        yield _cycles(scene, scene.cycles)
+    for contact in scene.contact:
+        if contact.wear is not None:
+            yield _wear(contact, contact.wear, names)
+
+
+def _cycles(scene: Scene, cycles: Cycles) -> str:
+    """How many, and how many load steps that takes."""
+    each, own = load_steps_in_cycle(scene), registry.takes_steps_of(scene)
+    if each is None:
+        steps, total = "automatic load steps", ""
+    else:
+        steps = f"{each} load steps each"
+        total = f", {cycles.number * each:,} load steps" if own is None else ""
+    words = (
+        f"Cycles: {cycles.number:,} of {steps}{total}, the first from time {cycles.begin:g} to "
+        f"{cycles.end:g}"
+    )
+    if own is not None:
+        return f"{words}; {own.part('words').WORDS.cycle_plan(cycles)}"
+    return f"{words}; none after the loop is closed" if cycles.until == "closed" else words
+
+
+def _wear(contact: Contact, wear: Wear, names: UnitNames | None) -> str:
+    """Return in words by which law a contact wears, and where."""
+    given = wear.coefficient
+    value = f"{given:.6g}" if isinstance(given, float | int) else "that varies"
+    unit = "" if names is None else f" {names.of(measured_by('coefficient', Wear))}"
+    words = f"Wear at '{contact.label}', at each point that slips: Archard's law, k {value}{unit}"
+    if wear.threshold:
+        stress = "" if names is None else f" {names.of(measured_by('threshold', Wear))}"
+        words += f", above a pressure of {wear.threshold:g}{stress}"
+    if wear.share is not None:
+        words += f"; '{contact.on}' loses {100 * wear.share:g} % of the depth"
+    return words

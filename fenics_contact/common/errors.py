@@ -1,4 +1,4 @@
-"""Errors, each with the exit code that users' scripts rely on."""
+"""Errors, each with the exit code that users' scripts rely on, and exit codes in words."""
 
 from __future__ import annotations
 
@@ -76,3 +76,23 @@ class MachineError(FenicsContactError):
     """The machine has not what the scene needs, such as memory."""
 
     exit_code = 5
+
+
+_OUTCOMES = {
+    0: "passed",
+    1: "ended by a fault of the program",
+    2: "refused",
+    3: "not converged",
+    4: "failed a check",
+    5: "failed by the machine",
+    130: "not done",
+}
+
+
+def outcome_of(exit_code: int) -> str:
+    """Return the outcome of a run in words.
+
+    Args:
+        exit_code: Of it.
+    """
+    return _OUTCOMES.get(exit_code, f"exit code {exit_code}")

@@ -16,6 +16,8 @@ PHASES = (
     *("vibration", "stability"),
 )
 ESTIMATING = "estimating errors"
+CHECKING, SEARCHING = "checking the answer", "looking for other answers"
+WRITING = "writing files"
 # Phases that may take long, in words.
 _SAID = {
     "mesh": "making the mesh",
@@ -30,13 +32,15 @@ _SAID = {
 _WHOLE = "errors"
 
 
-def doing(words: str) -> None:
+def doing(words: str, share: float | None = None) -> None:
     """Say what is being done, for who watches how far a run is.
 
     Args:
         words: In a few words, as of a phase.
+        share: Of the work that these words are a part of, what is done, 0 … 1; None where that is
+            not known. Work begins anew where it falls.
     """
-    logger.debug("%s", words)
+    logger.debug("%s", words, extra={"share": share})
 
 
 class Timings:

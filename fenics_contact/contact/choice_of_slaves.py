@@ -1,8 +1,17 @@
-"""Which of two surfaces is the slave: for all contacts together, as they may share surfaces.
+"""The choice of which of two surfaces is the slave, for all contacts together, without rings.
 
-A node that is the slave of two contacts can have its displacement relative to one master only as
-an unknown, so a surface is to be the slave of few contacts. Where that leaves the choice, it is the
-surface that the other covers, and not the much finer one.
+Contacts may share surfaces. A node that is the slave of two contacts can have its displacement
+relative to one master only as an unknown, so a surface is to be the slave of few contacts. Where
+that leaves the choice, it is the surface that the other covers, and not the much finer one.
+
+Masters must not follow each other in a ring, where that is possible. A contact
+is carried by another one if its master has nodes of the other's slave: the slave of the one
+follows a surface that itself follows a third. In a ring none of them can be solved for last, which
+the iterative solver cannot do without, and the condensed one does at a cost.
+
+On bodies there always is such a choice: put the bodies in an order, and let every contact have its
+slave on the earlier one. So contacts are decided one after the other, and of the two slaves that
+each may have, one at least closes no ring with those before.
 """
 
 from __future__ import annotations
@@ -14,12 +23,11 @@ import numpy as np
 
 from fenics_contact.body.description import CandidateContact
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root, total
 from fenics_contact.contact.mortar.pairing import gathered
 from fenics_contact.contact.mortar.ray_projection import face, hits
-from fenics_contact.contact.rings_of_masters import Meetings, has_ring, without_rings
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.mesh.tagged_mesh import Group
 
@@ -33,7 +41,7 @@ _NO_RING = "so masters do not follow each other in a ring"
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class NamedSurface:
     """A surface that a contact names.
 
     Attributes:
@@ -79,17 +87,17 @@ class NamedSurfaces:
         self._flat_sides, self._walls = flat_sides, walls
         self.wanted = contact.slave
         self.on = self._surface("on", contact.on)
-        self.against: Surface | None = None
+        self.against: NamedSurface | None = None
         if contact.against is not None:
             self.against = self._surface("against", contact.against)
 
-    def _surface(self, side: str, name: str) -> Surface:
+    def _surface(self, side: str, name: str) -> NamedSurface:
         group = self.spaces.body.boundary(name, f"{self._key}.{side}")
         if total(self.spaces.comm, len(self.spaces.facets(group))) == 0:
             raise InputError(
                 f"{self._key}.{side} = '{name}': no facet of it is on the boundary of the body"
             )
-        return Surface(name, group, Trace(self.spaces, group, self._flat_sides, self._walls))
+        return NamedSurface(name, group, Trace(self.spaces, group, self._flat_sides, self._walls))
 
     def compare(self) -> tuple[bool, str]:
         """Whether ``on`` is the better slave, by what covers what and by sizes of facets, and why.
@@ -120,48 +128,42 @@ class NamedSurfaces:
             return False, "it is not the much finer one"
         return True, "it comes first"
 
-    def nodes(self, are_faced: bool) -> tuple[Array, Array]:
-        """1 at this rank's own nodes of ``on`` and ``against`` that a slave, or a master, has.
+    def nodes(self, are_faced: bool) -> Array:
+        """1 at this rank's own nodes of ``on`` and ``against``, which is empty of an obstacle.
 
         Collective.
 
         Args:
-            are_faced: Whether only those count that face the other surface.
+            are_faced: Whether only those count that face the other surface, or have a facet in
+                common with one that does: their displacements too are in the contact's jumps.
 
         Returns:
-            Each (2, nodes); of a contact with an obstacle no master has any, and no ``against``.
+            (2, nodes).
         """
-        slaves, masters = np.zeros((2, 2, self.spaces.owned_nodes))
-        if self.against is None:
-            slaves[0] = self._on_body(self.on, np.ones(len(self.on.trace.all_nodes)))
-            return slaves, masters
-        sides = self.on, self.against
-        faced = self._faced() if are_faced else None
+        found = np.zeros((2, self.spaces.owned_nodes))
+        faced = self._faced() if are_faced and self.against is not None else None
+        sides = [side for side in (self.on, self.against) if side is not None]
         for place, side in enumerate(sides):
-            numbers = side.trace.surface.numbers
-            ones = np.ones(len(numbers))
-            slaves[place] = self._on_body(side, ones if faced is None else faced[place][0][numbers])
-            masters[place] = self._on_body(
-                side, ones if faced is None else faced[place][1][numbers]
-            )
-        return slaves, masters
+            surface = side.trace.surface
+            ones = np.ones(len(surface.numbers))
+            values = ones if faced is None else faced[place][surface.numbers]
+            found[place] = surface.on_body(values)[: self.spaces.owned_nodes] > 0
+        return found
 
-    def _on_body(self, side: Surface, values: Array) -> Array:
-        found = side.trace.surface.on_body(values)[: self.spaces.owned_nodes]
-        return np.asarray(found > 0, dtype=np.float64)
-
-    def _faced(self) -> list[tuple[Array, Array]]:
-        """The same of all nodes of each surface, by the surface's numbers; collective."""
+    def _faced(self) -> list[Array]:
+        """1 at the nodes of ``on`` and of ``against`` on facets that face the other surface."""
         assert self.against is not None
         surfaces = gathered(self.on.trace), gathered(self.against.trace)
 
-        def find() -> list[tuple[Array, Array]]:
-            marks = [(np.zeros(len(one.normals)), np.zeros(len(one.normals))) for one in surfaces]
-            for place, (slave, master) in enumerate((surfaces, surfaces[::-1])):
-                _, found = face(slave.node_positions(), slave.normals, master)
+        def find() -> list[Array]:
+            marks = [np.zeros(len(one.normals)) for one in surfaces]
+            for place, (one, other) in enumerate((surfaces, surfaces[::-1])):
+                _, found = face(one.node_positions(), one.normals, other)
                 is_hit = found.facet >= 0
-                marks[place][0][is_hit] = 1.0
-                marks[1 - place][1][master.nodes[found.facet[is_hit]]] = 1.0
+                marks[place][is_hit] = 1.0
+                marks[1 - place][other.nodes[found.facet[is_hit]]] = 1.0
+            for mark, one in zip(marks, surfaces, strict=True):
+                mark[one.nodes[mark[one.nodes].any(axis=1)]] = 1.0
             return marks
 
         return on_root(self.spaces.comm, find)
@@ -205,28 +207,24 @@ def choose_slaves(contacts: Sequence[NamedSurfaces]) -> list[tuple[bool, str]]:
         left.remove(number)
     choice = [chosen[number][0] for number in range(len(contacts))]
     free = [n for n, one in enumerate(contacts) if one.against is not None and one.wanted == "auto"]
-    if free and has_ring(choice, _meetings(contacts)):
+    if free and has_ring(choice, _shared_nodes(contacts)):
         # Nodes that do not face the other surface close no ring; to find these takes longer.
-        better = without_rings(choice, free, _meetings(contacts, are_faced=True))
+        better = without_rings(choice, free, _shared_nodes(contacts, are_faced=True))
         chosen |= {n: (is_on, _NO_RING) for n, is_on in enumerate(better) if is_on != choice[n]}
     return [chosen[number] for number in range(len(contacts))]
 
 
-def _meetings(contacts: Sequence[NamedSurfaces], are_faced: bool = False) -> Meetings:
-    """Find which surfaces share nodes; collective.
+def _shared_nodes(contacts: Sequence[NamedSurfaces], are_faced: bool = False) -> Flags:
+    """Find which surfaces share nodes, (2 contacts, 2 contacts); collective.
+
+    Of each contact the rows are those of ``on`` and ``against``.
 
     Args:
         contacts: The contacts.
         are_faced: Whether only nodes count that face the other surface.
     """
-    spaces = contacts[0].spaces
-    slaves = np.zeros((2 * len(contacts), spaces.owned_nodes))
-    masters = np.zeros_like(slaves)
-    for number, contact in enumerate(contacts):
-        rows = slice(2 * number, 2 * number + 2)
-        slaves[rows], masters[rows] = contact.nodes(are_faced)
-    carried = total(spaces.comm, masters @ slaves.T) > 0
-    return Meetings(np.asarray(carried), np.asarray(total(spaces.comm, slaves @ slaves.T) > 0))
+    nodes = np.concatenate([contact.nodes(are_faced) for contact in contacts])
+    return np.asarray(total(contacts[0].spaces.comm, nodes @ nodes.T) > 0)
 
 
 def _sharing(
@@ -246,3 +244,70 @@ def _sharing(
         one: [other for other, its in surfaces.items() if other[0] != one[0] and tags & its]
         for one, tags in surfaces.items()
     }
+
+
+def without_rings(choice: Sequence[bool], free: Sequence[int], shared: Flags) -> list[bool]:
+    """Choices of slaves, changed where that avoids a ring of masters.
+
+    Where something is changed, slaves that are shared and carried are avoided as well.
+
+    Args:
+        choice: The same as it is chosen otherwise; it is kept where it has no ring.
+        free: Numbers of the contacts that may have the other slave.
+        shared: Which surfaces share nodes, two rows and columns a contact: ``on`` and ``against``.
+
+    Four bodies around a point, each in contact with the next, and the slave of that contact:
+
+    >>> nodes = np.array([[0], [1], [1], [2], [2], [3], [3], [0]])
+    >>> without_rings([True] * 4, range(4), nodes == nodes.T)
+    [True, False, True, False]
+    """
+    every = list(range(len(choice)))
+    found = list(choice)
+    if not has_ring(found, shared):
+        return found
+    decided = [number for number in every if number not in free]
+    for number in free:
+        decided.append(number)
+        _turn(found, [number], shared, decided)
+    while any(_faults(found, shared, every)[:2]) and _turn(found, free, shared, every):
+        pass
+    return found
+
+
+def has_ring(choice: Sequence[bool], shared: Flags) -> bool:
+    """Whether masters follow each other in a ring.
+
+    Args:
+        choice: Of every contact whether ``on`` is its slave.
+        shared: Which surfaces share nodes, two rows and columns a contact: ``on`` and ``against``.
+    """
+    return _faults(choice, shared, range(len(choice)))[0] > 0
+
+
+def _turn(choice: list[bool], numbers: Sequence[int], shared: Flags, among: Sequence[int]) -> bool:
+    """Give that contact its other slave which lessens the faults most; whether there is one."""
+
+    def turned(number: int) -> list[bool]:
+        return [is_on != (other == number) for other, is_on in enumerate(choice)]
+
+    best = min(numbers, key=lambda number: _faults(turned(number), shared, among))
+    if _faults(turned(best), shared, among) >= _faults(choice, shared, among):
+        return False
+    choice[best] = not choice[best]
+    return True
+
+
+def _faults(choice: Sequence[bool], shared: Flags, among: Sequence[int]) -> tuple[int, int, int]:
+    """How many contacts follow a ring; are carried and share their slave; and are carried."""
+    slaves = np.array([2 * number + (not choice[number]) for number in among])
+    masters = slaves ^ 1
+    others = ~np.eye(len(among), dtype=bool)
+    carries = shared[np.ix_(masters, slaves)] & others
+    is_carried = carries.any(axis=1)
+    follows = is_carried
+    while (more := (carries & follows).any(axis=1)).sum() < follows.sum():
+        follows = more
+    shares = (shared[np.ix_(slaves, slaves)] & others).any(axis=1)
+    twice = is_carried & ~follows & shares
+    return int(follows.sum()), int(twice.sum()), int(is_carried.sum())

@@ -11,26 +11,21 @@ import numpy as np
 
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.contact.contact_forces import ContactForces
-from fenics_contact.contact.contact_work import ContactWork
-from fenics_contact.contact.driving import ContactPaths
-from fenics_contact.contact.kinematics.against_body import BodyKinematics
-from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
-from fenics_contact.contact.kinematics.jump import ContactKinematics
-from fenics_contact.contact.last_step import LastStep
+from fenics_contact.contact.against_body import BodyKinematics
+from fenics_contact.contact.against_obstacle import ObstacleKinematics
+from fenics_contact.contact.contact_forces import ContactForces, ContactWork
+from fenics_contact.contact.kinematics import ContactKinematics
 from fenics_contact.contact.laws.friction import friction_law
 from fenics_contact.contact.laws.friction.law import FrictionLaw
-from fenics_contact.contact.laws.friction.term import FrictionTerm
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal import acting_law, law_of
 from fenics_contact.contact.laws.normal.law import NormalLaw
-from fenics_contact.contact.laws.normal.term import NormalTerm
-from fenics_contact.contact.laws.site import LawSite
+from fenics_contact.contact.laws.site import ContactPaths, ContactScales, LawSite
+from fenics_contact.contact.laws.terms import FrictionTerm, NormalTerm
 from fenics_contact.contact.laws.wear import Unworn, wear_of
-from fenics_contact.contact.parameters import ContactScales
 from fenics_contact.contact.slave_and_master import ContactSides
-from fenics_contact.contact.state import ContactState
-from fenics_contact.contact.surface.supports import SurfaceSupports
+from fenics_contact.contact.state import ContactState, LastStep
+from fenics_contact.contact.surface.trace import SurfaceSupports
 from fenics_contact.results.contact_points import of_one_contact
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.obstacle import Obstacle

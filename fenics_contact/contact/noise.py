@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 
 # Share of its force to which a contact's pressures are to be known: one that carries less than a
@@ -31,6 +32,18 @@ def carries_more_than(contact: ContactSurface, imbalance: float, accuracy: float
     """
     carried = float(contact.trace.integral(np.abs(contact.pressure())))
     return carried > max(imbalance / accuracy, round_off(contact))
+
+
+def is_open_or_carries(contact: ContactSurface, imbalance: float, accuracy: float) -> bool:
+    """Whether nothing presses, or more than what solver and round-off leave; collective.
+
+    Args:
+        contact: Any.
+        imbalance: That was accepted (force).
+        accuracy: To which the pressures are to be known.
+    """
+    is_open = largest(contact.spaces.comm, contact.pressure()) <= 0
+    return is_open or carries_more_than(contact, imbalance, accuracy)
 
 
 def round_off(contact: ContactSurface) -> float:

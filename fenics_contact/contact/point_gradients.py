@@ -1,6 +1,6 @@
-"""From derivatives of a quantity in what a contact answers to those in what it is given.
+"""From the gradient of a quantity in what a contact answers to that in what it is given.
 
-Backwards through the laws at the points, by their own second derivatives.
+Backwards through the laws at the points, by their tangents.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 
 @dataclass(frozen=True, eq=False)
 class AnswerGradient:
-    """Derivatives of a quantity in what happens at the points of a contact.
+    """Gradient of a quantity in what happens at the points of a contact.
 
     Points' areas are in them, and points that this rank does not own have theirs as well.
 
@@ -59,7 +59,7 @@ class AnswerGradient:
         return cls(pressure, friction, slip, depth, energy, jump, direction=turned)
 
     def adding(self, **parts: Any) -> Self:
-        """With further derivatives, which are added to its own.
+        """With further gradients, which are added to its own.
 
         Args:
             parts: By names of attributes, of the same shape; not ``state``.
@@ -75,14 +75,14 @@ class AnswerGradient:
         return replace(self.adding(**parts), state=state)
 
     def traction(self, contact: ContactSurface) -> Array:
-        """Its part in the traction that follows the jump, (points, components)."""
+        """Part of the gradient in the traction that follows the jump, (points, components)."""
         found = contact.kinematics.tangential(self.friction)
         if contact.normal.follows_jump:
             found = found - self.pressure[:, None] * contact.trace.normals
         return found
 
     def with_traction(self, contact: ContactSurface, of_traction: Array) -> Self:
-        """With derivatives in the traction that follows the jump besides, (points, components)."""
+        """With a gradient in the traction that follows the jump besides, (points, components)."""
         pressure = self.pressure
         if contact.normal.follows_jump:
             pressure = pressure - contact.kinematics.normal(of_traction)
@@ -92,7 +92,7 @@ class AnswerGradient:
 
 @dataclass(frozen=True, eq=False)
 class GivenGradient:
-    """Derivatives of a quantity in what a contact is given, at the points.
+    """Gradient of a quantity in what a contact is given, at the points.
 
     Attributes:
         jump: In the jump, (points, components).
@@ -153,7 +153,7 @@ def vjp(contact: ContactSurface, answers: AnswerGradient) -> GivenGradient:
 
     Args:
         contact: The contact.
-        answers: Derivatives of the quantity in what happens there.
+        answers: Gradient of the quantity in what happens there.
     """
     kinematics = contact.kinematics
     jump, normals = kinematics.jump_at_points(), contact.trace.normals
@@ -192,11 +192,6 @@ def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange)
     """Derivative of the quantity in the key, this rank's part of it.
 
     Numbers that are no sum over points are counted by the first rank.
-
-    Args:
-        contact: The contact.
-        gradient: Of the quantity.
-        change: With the key.
     """
     owned = contact.trace.owned
     found = 0.0

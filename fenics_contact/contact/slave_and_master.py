@@ -1,4 +1,4 @@
-"""Which surface a contact acts on, and which stands opposite."""
+"""The surface that a contact acts on, and the one that stands opposite."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.contact.choice_of_slaves import NamedSurfaces
 from fenics_contact.contact.mortar.pairing import Pairing
-from fenics_contact.contact.surface.facet_sizes import smallest_edge
+from fenics_contact.contact.surface.facets import smallest_edge
+from fenics_contact.contact.surface.space import SurfaceSpace
 from fenics_contact.contact.surface.trace import Trace
 
 # Where mean normals are shorter, no direction stands for the whole surface.
@@ -50,6 +51,11 @@ class ContactSides:
         if master is not None:
             self.master, self.opposite = master.name, master.trace
             self.pairing = Pairing(self.trace, self.opposite, constrained)
+
+    @property
+    def surfaces(self) -> list[SurfaceSpace]:
+        """The slave's surface, and the master's against a body."""
+        return [side.surface for side in (self.trace, self.opposite) if side is not None]
 
     @cached_property
     def facet_size(self) -> float:

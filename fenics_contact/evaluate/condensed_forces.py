@@ -1,7 +1,7 @@
 """Internal forces of an answer of which only contacts and supports are known.
 
 Inside the body forces balance, as its displacement follows from what is known. What is linear in it
-has a row (``solve/condensed/bulk/rows.py``): with these no displacement inside is found.
+has a row (``solve/condensed/schur.py``): with these no displacement inside is found.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from functools import cached_property
 import numpy as np
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import from_root, total
+from fenics_contact.common.parallel import from_root
 from fenics_contact.evaluate.internal_forces import Balances, InternalForces
 from fenics_contact.evaluate.rows_of_body import RowsOfBody, prescribed
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.scalar import ScalarState
-from fenics_contact.solve.condensed.bulk.rows import GivenState
+from fenics_contact.problem.scalar_unknown import ScalarState
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.condensed.schur import GivenState
+from fenics_contact.solve.systems.solution import Solution
 
 
 class CondensedForces(InternalForces):
@@ -72,7 +72,8 @@ class CondensedForces(InternalForces):
     def of(cls, system: CondensedSystem, solution: Solution) -> CondensedForces:
         """Forces of a solution, in the state of the system that has found it; collective."""
         scalars = system.scalar_values(system.state)
-        return cls(system.problem, solution, system.body, system.position(), scalars)
+        moved = system.contact_displacements()
+        return cls(system.problem, solution, system.body, moved, scalars)
 
     @cached_property
     def _of_given(self) -> tuple[Array, Array]:
@@ -192,8 +193,3 @@ class CondensedForces(InternalForces):
         own, others = (np.array([1.0, *one._moving]) for one in (self, before))
         moved = np.concatenate([own, -others])
         return loads, 0.5 * float(moved @ (now + then)[2 : 2 + len(moved)])
-
-    def _summed(self, values: Array) -> float:
-        """Over the nodes of all ranks; collective."""
-        owned = self.problem.spaces.owned_nodes
-        return float(total(self.problem.comm, np.sum(values[:owned])))

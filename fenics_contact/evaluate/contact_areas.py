@@ -23,6 +23,7 @@ from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, largest, smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, STICK, ContactState
+from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.quantities.names import CONTACT_RADIUS, STICK_RADIUS
 
 # Foundations softer than this × E*/h let the depth be linear across the edge.
@@ -82,7 +83,7 @@ class Zones:
 
     @cached_property
     def sticking(self) -> Zone | None:
-        """Where it sticks, likewise."""
+        """Where it sticks, at the same places."""
         contact, state = self.contact, self.state
         if not contact.is_coulomb:
             return None
@@ -129,11 +130,15 @@ def edges(contact: ContactSurface, state: ContactState) -> list[Array]:
     Returns:
         Of either, rows of x, y, z and the length of a facet's side (length).
     """
-    pieces = contact.trace.pieces
-    dimension = contact.trace.spaces.components
-    sides = (pieces.areas * (1 if dimension == 2 else 2)) ** (1 / (dimension - 1))
-    rows = np.column_stack([pieces.corners.mean(axis=1), sides * contact.trace.spaces.degree])
+    rows = facet_sizes(contact.trace)
     return [rows[found] for found in _cut_pieces(contact, state)]
+
+
+def facet_sizes(trace: Trace) -> Array:
+    """Rows of x, y, z and the length of a facet's side at each piece of this rank (length)."""
+    pieces, dimension = trace.pieces, trace.spaces.components
+    sides = (pieces.areas * (1 if dimension == 2 else 2)) ** (1 / (dimension - 1))
+    return np.column_stack([pieces.corners.mean(axis=1), sides * trace.spaces.degree])
 
 
 def _cut_pieces(contact: ContactSurface, state: ContactState) -> list[Flags]:

@@ -20,6 +20,7 @@ from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP, ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, radii, stick_area
+from fenics_contact.evaluate.contact_moments import contact_moments
 from fenics_contact.evaluate.internal_forces import pressure_of_facets
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import names, table
@@ -30,7 +31,7 @@ from fenics_contact.quantities.names import (
     PRESSURE_INTEGRAL,
 )
 from fenics_contact.quantities.quantity import Quantity
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 
 def resultants(
@@ -157,11 +158,7 @@ def register(quantity: Quantity, value: Callable[[ContactAnswer], float]) -> Non
 
 
 def unregister(name: str) -> None:
-    """Take out a quantity that was registered.
-
-    Args:
-        name: Of the quantity.
-    """
+    """Take out a quantity that was registered."""
     del _REGISTERED[name]
     table.unregister(name)
 
@@ -169,6 +166,11 @@ def unregister(name: str) -> None:
 def _resultants(answer: ContactAnswer) -> Mapping[str, Any]:
     friction_force = answer.solution.friction_force[answer.number]
     return resultants(answer.contact, answer.state, friction_force)
+
+
+def _moments(answer: ContactAnswer) -> Mapping[str, Any]:
+    friction_force = answer.solution.friction_force[answer.number]
+    return contact_moments(answer.contact, answer.state, friction_force)
 
 
 def _peak_pressure(answer: ContactAnswer) -> Mapping[str, Any]:
@@ -267,6 +269,6 @@ def _motion(answer: ContactAnswer) -> Mapping[str, Any]:
 
 _EVALUATORS: tuple[Evaluator, ...] = (
     *(_resultants, _peak_pressure, _areas, _penetration, _slip, _energies, _wear),
-    *(_stored_along, _undecided, _of_two_bodies, _motion),
+    *(_stored_along, _moments, _undecided, _of_two_bodies, _motion),
 )
 _REGISTERED: dict[str, Callable[[ContactAnswer], float]] = {}

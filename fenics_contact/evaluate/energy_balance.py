@@ -31,7 +31,7 @@ from fenics_contact.quantities.names import (
 )
 from fenics_contact.results.records.steps import LoadRecord
 from fenics_contact.results.result import Check
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 
 def load_records(problem: Problem, displacement: Array) -> list[LoadRecord]:
@@ -117,11 +117,7 @@ class EnergyBalance:
         self._first = inertia.energy
 
     def count(self, forces: InternalForces) -> None:
-        """Count a step that was accepted, before slip is counted anew; collective.
-
-        Args:
-            forces: Of its solution.
-        """
+        """Count a step that was accepted, before slip is counted from it; collective."""
         problem, solution = self._problem, forces.solution
         last, before = self._last, self._before
         moved = forces.displacement - self._place_before(before)
@@ -189,12 +185,7 @@ class EnergyBalance:
         return [float(getattr(self, name)) for name in _SUMS]
 
     def resume(self, sums: Sequence[float], forces: InternalForces) -> None:
-        """Go on from the last load step of another run; collective.
-
-        Args:
-            sums: Those of its balance.
-            forces: Of that step's solution.
-        """
+        """Go on from the last load step of another run; collective."""
         self.count(forces)  # for the last forces and motions
         for name, value in zip(_SUMS, sums, strict=True):
             setattr(self, name, type(getattr(self, name))(value))
@@ -235,11 +226,7 @@ class EnergyBalance:
         return {EXTERNAL_WORK: self.work, **balance}
 
     def check(self, quantities: Mapping[str, Any]) -> Check | None:
-        """|defect| over the work done; None without a path.
-
-        Args:
-            quantities: Of the last step.
-        """
+        """|defect| over the work done; None without a path."""
         size = self._size
         if not self.applies or size == 0:
             return None

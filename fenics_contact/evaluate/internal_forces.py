@@ -17,14 +17,14 @@ from typing import ClassVar
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.common.parallel import from_root
+from fenics_contact.common.parallel import from_root, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.space import SurfaceSpace
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.scalar import ScalarState
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.problem.scalar_unknown import ScalarState
+from fenics_contact.solve.systems.solution import Solution
 
 
 def pressure_of_facets(contact: ContactSurface, state: ContactState) -> Array:
@@ -218,6 +218,11 @@ class InternalForces(ABC):
     def _reactions_at(self, number: int) -> Array | float:
         """Reactions across a contact's surface at its nodes that ``unbalanced`` has not (force)."""
         return 0.0
+
+    def _summed(self, values: Array) -> float:
+        """Sum over the nodes of all ranks; collective."""
+        owned = self.problem.spaces.owned_nodes
+        return float(total(self.problem.comm, np.sum(values[:owned])))
 
     def pressure(self, number: int) -> Array:
         """``reaction_pressure`` of a contact, at all nodes of its surface (stress)."""

@@ -11,7 +11,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.evaluate.contact_quantities import resultant
 from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.problem.inertia.moving import moving
+from fenics_contact.problem.moving import moving
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
     CONTACT_FORCE,
@@ -23,7 +23,7 @@ from fenics_contact.quantities.names import (
 )
 from fenics_contact.results.result import Check
 from fenics_contact.solve.load_steps.load_stepper import forces_of_step
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 
 class MovingForces(BulkForces):

@@ -16,18 +16,12 @@ from fenics_contact.evaluate.contact_quantities import resultant
 from fenics_contact.evaluate.internal_forces import Balances, InternalForces, own_dofs
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.scalar import ScalarState
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.problem.scalar_unknown import ScalarState
+from fenics_contact.solve.systems.solution import Solution
 
 
 def stress_on(spaces: Spaces, elastic: ElasticBody, group: Group) -> ufl.Form:
-    """∫ σ n · v over a group of facets, in UFL: over a constant v, a resultant (force).
-
-    Args:
-        spaces: Those of the body.
-        elastic: Its stress.
-        group: The facets.
-    """
+    """∫ σ n · v over a group of facets, in UFL: over a constant v, a resultant (force)."""
     size, test = spaces.components, ufl.TestFunction(spaces.displacement_space)
     cauchy, normal = elastic.stress(), ufl.FacetNormal(spaces.body.mesh)
     traction = [sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)]
@@ -150,8 +144,3 @@ class BulkForces(InternalForces):
             loads, reactions = before.load + self.load, before.reactions + self.reactions
             moved = self.displacement - before.displacement
         return 0.5 * self._summed(loads * moved), 0.5 * self._summed(reactions * moved)
-
-    def _summed(self, values: Array) -> float:
-        """Over the nodes of all ranks; collective."""
-        owned = self.problem.spaces.owned_nodes
-        return float(total(self.problem.comm, np.sum(values[:owned])))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array, Integers, in_3d
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.state import OPEN, SLIP, STICK
 from fenics_contact.evaluate.internal_forces import InternalForces, own_dofs
@@ -17,7 +17,7 @@ from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, STRAIN_ENER
 from fenics_contact.quantities.quantity import Quantity, Together
 from fenics_contact.results.contact_points import WRITTEN, ContactPoints
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 
 def support_records(forces: InternalForces) -> list[SupportRecord]:
@@ -85,11 +85,7 @@ def global_quantities(forces: InternalForces, contacts: list[dict[str, Any]]) ->
 
 
 def of_all_contacts(contacts: list[dict[str, Any]]) -> dict[str, Any]:
-    """Quantities of the whole model that those of its contacts make.
-
-    Args:
-        contacts: Of each contact.
-    """
+    """Quantities of the whole model that those of its contacts make."""
     names = list(dict.fromkeys(name for found in contacts for name in found))
     rows = [row for row in table.every() if row.together in _WAYS and _has(row, contacts)]
     rows.sort(key=lambda row: names.index(row.name) if row.name in names else len(names))
@@ -169,9 +165,9 @@ def _rows(number: int, problem: Problem, solution: Solution) -> Array:
         np.full((len(status), 1), float(number)),
         status[:, None],
         trace.coordinates,
-        _three(trace.normals),
+        in_3d(trace.normals),
         *(
-            _three(values) if array.is_vector else values.reshape(-1, 1)
+            in_3d(values) if array.is_vector else values.reshape(-1, 1)
             for array, values in [
                 *((array, getattr(state, array.name)) for array in WRITTEN),
                 *zip(problem.own_arrays, own, strict=True),
@@ -180,8 +176,3 @@ def _rows(number: int, problem: Problem, solution: Solution) -> Array:
         trace.weights[:, None],
     ]
     return np.asarray(np.hstack(columns)[trace.owned])
-
-
-def _three(vectors: Array) -> Array:
-    """Vectors padded to three components."""
-    return np.hstack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])

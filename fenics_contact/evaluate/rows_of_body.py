@@ -13,8 +13,8 @@ from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.evaluate.internal_forces import own_dofs
 from fenics_contact.evaluate.nodal_forces import stress_on
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.condensed.bulk.rows import Functional, GivenState, Key, Wanted
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
+from fenics_contact.solve.condensed.schur import Functional, GivenState, Key, Wanted
 
 # Of a normal: squares of components below it are round-off.
 _ACROSS = 1e-9

@@ -14,10 +14,10 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.wording import one_line
 from fenics_contact.explore.messages import Message
 from fenics_contact.problem.problem import Problem
+from fenics_contact.report.bodies.surface import BodySurface, boundary, surface_of
 from fenics_contact.report.contacts.line import positions, tangents
 from fenics_contact.report.drawing.charts import Cylinder, Plane, chart_of
 from fenics_contact.report.drawing.style import neighbourhood
-from fenics_contact.report.view.surface import Surface, boundary, surface_of
 from fenics_contact.results.contact_points import ContactPoints, ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
@@ -94,7 +94,7 @@ class ContactPlaces:
         return np.array(neighbourhood(places, closed))
 
 
-class Shape:
+class BodyShape:
     """The body and its contacts as the page draws them; of one rank.
 
     Attributes:
@@ -198,7 +198,7 @@ class Shape:
         return np.where(same, own[found], -1)
 
 
-def _surface_of(problem: Problem) -> tuple[Surface, Integers]:
+def _surface_of(problem: Problem) -> tuple[BodySurface, Integers]:
     """Return the surface of a problem's body, and the node of each of its points."""
     space = problem.spaces.displacement_space
     cells, kinds, points = plot.vtk_mesh(space)

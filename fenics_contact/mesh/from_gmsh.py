@@ -17,15 +17,14 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.mesh.file_groups import PartTags, named_groups
-from fenics_contact.mesh.readers.element_kinds import complete, dimension_of_name
-from fenics_contact.mesh.soundness.cells import (
+from fenics_contact.mesh.cell_checks import (
     FileCells,
     check_dimension,
     check_points,
     vertex_keys,
 )
-from fenics_contact.mesh.soundness.left_out import left_out
+from fenics_contact.mesh.file_groups import PartTags, left_out, named_groups
+from fenics_contact.mesh.readers.element_kinds import complete, dimension_of_name
 from fenics_contact.mesh.tagged_mesh import Group, Relation
 from fenics_contact.scene.scene import MeshSource
 

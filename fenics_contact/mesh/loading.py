@@ -22,6 +22,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh import from_gmsh as mesh_arrays
 from fenics_contact.mesh import joining as mesh_join
+from fenics_contact.mesh.file_groups import BetweenFiles, no_surface
 from fenics_contact.mesh.from_gmsh import MeshArrays
 from fenics_contact.mesh.geometry import gmsh_call
 from fenics_contact.mesh.geometry.file_kinds import (
@@ -32,9 +33,8 @@ from fenics_contact.mesh.geometry.file_kinds import (
     prepared,
 )
 from fenics_contact.mesh.joining import Cut, bolts_of, cuts_of
+from fenics_contact.mesh.neighbours import Finding, Neighbours
 from fenics_contact.mesh.size_field import SizeField
-from fenics_contact.mesh.soundness.left_out import BetweenFiles, no_surface
-from fenics_contact.mesh.soundness.neighbours import Finding, Neighbours
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.scene import MeshSource
@@ -285,6 +285,7 @@ def _check_settings(key: str, source: MeshSource, file: MeshFile) -> None:
         "order": source.order != 1,
         "size": source.size is not None,
         "curvature": source.curvature is not None,
+        "least_size": source.least_size is not None,
         "sizes": bool(source.sizes),
     }
     given = [name for name, is_given in meshing.items() if is_given]
@@ -308,6 +309,7 @@ def _job(key: str, source: MeshSource, file: MeshFile, dimension: int) -> dict[s
         "order": source.order,
         "size": source.size,
         "curvature": source.curvature,
+        "least_size": source.least_size,
         "body_sizes": dict(source.sizes),
         "groups": list(source.groups),
     }

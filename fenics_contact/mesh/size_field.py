@@ -130,19 +130,22 @@ class SizeField:
         cell: Shape of the cells to be made.
         points: Vertices of each cell, (cells, corners, 3) (length).
         sizes: At these, (cells, corners) (length).
+        parts: Gmsh's number of the body that each cell is of, (cells,); bodies that touch have
+            sizes of their own so. None where all sizes are of all bodies.
     """
 
     cell: str
     points: Array
     sizes: Array
+    parts: Integers | None = None
 
     @staticmethod
-    def of(cells: Cells, sizes: Array) -> SizeField:
-        """From the sizes at the vertices of cells, (vertices,)."""
+    def of(cells: Cells, sizes: Array, parts: Integers | None = None) -> SizeField:
+        """From the sizes at the vertices of cells, (vertices,), and the cells' bodies."""
         around = cells.vertices[:, list(_AROUND[cells.cell])]
         points = np.zeros((*around.shape, 3))
         points[:, :, : cells.dimension] = cells.points[around]
-        return SizeField(cells.cell, points, sizes[around])
+        return SizeField(cells.cell, points, sizes[around], parts)
 
     def finer_at(self, places: Array, wanted: Array) -> SizeField:
         """One that follows smaller sizes at places also inside the cells, which it cuts there.
@@ -162,6 +165,7 @@ class SizeField:
             return np.asarray(wanted[nearest] + _SLOPE * away)
 
         points, sizes = self.points, np.minimum(self.sizes, at(self.points))
+        cells = np.arange(len(points))
         for _ in range(_CUTS):
             middle = points.mean(axis=1)
             cut = at(middle) < _LINEAR * sizes.mean(axis=1)
@@ -171,12 +175,15 @@ class SizeField:
             points = np.concatenate([points[~cut], children.reshape(shape)])
             between = np.minimum(between, at(children)).reshape(-1, points.shape[1])
             sizes = np.concatenate([sizes[~cut], between])
-        return SizeField(self.cell, points, sizes)
+            cells = np.concatenate([cells[~cut], np.repeat(cells[cut], len(_SPLIT[self.cell]))])
+        parts = None if self.parts is None else self.parts[cells]
+        return SizeField(self.cell, points, sizes, parts)
 
     def as_bytes(self) -> bytes:
         """An ``.npz`` for ``gmsh_process``."""
         buffer = io.BytesIO()
-        np.savez(buffer, points=self.points, sizes=self.sizes)
+        parts = np.zeros(0, dtype=np.int64) if self.parts is None else self.parts
+        np.savez(buffer, points=self.points, sizes=self.sizes, parts=parts)
         return buffer.getvalue()
 
 

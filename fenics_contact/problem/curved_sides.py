@@ -17,9 +17,8 @@ import basix
 import numpy as np
 import ufl
 from dolfinx import fem
-from scipy.spatial import cKDTree
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import Expr
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers
@@ -68,7 +67,7 @@ def sampled(spaces: Spaces, values: Sequence[Value], group: Group, key: str) -> 
 
 
 def on_side(cell: Any, side: int, places: Array) -> tuple[AnyIntegers, Array]:
-    """Which places of the reference cell are on a side of it, and where on that."""
+    """Places of the reference cell that are on a side of it, and where on that."""
     dimension = places.shape[1]
     corners = basix.geometry(cell)[basix.topology(cell)[dimension - 1][side]]
     axes = (corners[1:dimension] - corners[0]).T
@@ -239,6 +238,8 @@ def halved_body(spaces: Spaces) -> Body:
     Args:
         spaces: Those of a body of cells of order 1.
     """
+    from scipy.spatial import cKDTree  # slow to load; few bodies need it
+
     finer = halved(spaces.body)
     places, moves = _onto_curves(spaces)
     nodes = finer.mesh.geometry.x

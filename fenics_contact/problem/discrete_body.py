@@ -6,7 +6,7 @@ contact, no load and no displacement that is prescribed: these are the problem's
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -58,7 +58,7 @@ class DiscreteBody:
         self.constrained = np.union1d(self.held.dofs, self.outer)
         self.elastic = ElasticBody(description, self.spaces, self.displacement)
         self.is_kept = False
-        self.found: dict[str, Any] = {}
+        self.found: dict[Hashable, Any] = {}
         named = [
             NamedSurfaces(
                 contact, f"contact[{number}]", self.spaces, self.held.flat_sides, self.held.walls
@@ -74,7 +74,7 @@ class DiscreteBody:
         """From now on keep what each problem would work out."""
         self.is_kept = True
 
-    def once(self, name: str, make: Callable[[], _T]) -> _T:
+    def once(self, name: Hashable, make: Callable[[], _T]) -> _T:
         """Return a value worked out of the body: once where it is kept, else at each call.
 
         Args:

@@ -17,11 +17,11 @@ import numpy as np
 
 from fenics_contact.analytic.complex_step import slope
 from fenics_contact.analytic.half_space import boussinesq, cerruti, flamant, flamant_along
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array, Integers, in_3d
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.surface.facet_sizes import relative_facet_size
+from fenics_contact.contact.surface.facets import relative_facet_size
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.scene.scene import Scene
 
@@ -109,7 +109,7 @@ class FarField:
         return self._at_dofs(column)
 
     def slopes(self, name: str) -> FarField:
-        """The far field with the derivatives of all its columns in a modulus in their place.
+        """The far field with the slopes of all its columns in a modulus in their place.
 
         Args:
             name: ``youngs_modulus`` or ``poissons_ratio``.
@@ -119,7 +119,7 @@ class FarField:
 
         def columns(number: int) -> list[Array]:
             foot, inward = self._feet[number], self._inward[number]
-            ways = [None, *(_three(along) for along, _ in self.sideways[number])]
+            ways = [None, *(in_3d(along) for along, _ in self.sideways[number])]
             return [moved._new_column(foot, inward, way) for way in ways]
 
         def every(value: complex) -> list[Array]:
@@ -233,7 +233,7 @@ class FarField:
         )
 
     def _kept_foot(self, number: int, contact: ContactSurface, inward: Array) -> Array:
-        """``_foot``, found and tested once for all that it depends on beside the body."""
+        """``_foot``, found and tested once for all that it depends on besides the body."""
         apex, law = self._apex(contact), contact.normal
         is_driven = contact.force is not None
         known = number, apex.tobytes(), inward.tobytes(), law.has_counterpart, is_driven
@@ -294,11 +294,6 @@ class FarField:
                 f"{key}.obstacle.position: its force on the half_space would act at ({where}), "
                 "which must lie on the contact surface and well inside the outer boundary"
             )
-
-
-def _three(vector: Array) -> Array:
-    """A vector padded to three components."""
-    return np.concatenate([vector, np.zeros(3 - len(vector))])
 
 
 def _around(places: Array, forces: Array) -> tuple[Array, Array]:

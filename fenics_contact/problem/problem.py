@@ -22,14 +22,14 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
-from fenics_contact.problem.inertia.inertia import AtRest, Inertia, with_time_step
-from fenics_contact.problem.inertia.moving import MovingInertia
+from fenics_contact.problem.inertia import AtRest, Inertia, with_time_step
 from fenics_contact.problem.loads import given_loads
-from fenics_contact.problem.loads.given_load import Disturbance, Drive
-from fenics_contact.problem.scalars.kinds import scalars_of
-from fenics_contact.problem.scalars.scalar import BodyScalar, ScalarState
-from fenics_contact.problem.shared_reactions import SharedReactions
-from fenics_contact.problem.terms import Term, terms_of
+from fenics_contact.problem.loads.acting_load import LoadSite
+from fenics_contact.problem.loads.disturbance import Disturbance, Drive
+from fenics_contact.problem.moving import MovingInertia
+from fenics_contact.problem.scalar_kinds import scalars_of
+from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
+from fenics_contact.problem.terms import SharedReactions, Term, terms_of
 from fenics_contact.results.contact_points import of_several_contacts
 from fenics_contact.scene.scene import Scene
 
@@ -59,6 +59,7 @@ class Problem:
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
         loads: Those of the scene that are not zero.
+        load_site: The body that they act on.
         elastic: ½ a(·, ·): law, compiled forms, stress.
         given_load: Present nodal loads with the prescribed contact pressures, (nodes, components).
         load: What acts at the nodes in the balance to solve: the same, but in a step of motion.
@@ -110,15 +111,17 @@ class Problem:
             self.points = discrete.once(
                 f"points {scene.point}", partial(DisplacementPoints, scene.point, self.spaces)
             )
-            self.loads = given_loads(scene.load, self.spaces)
+            self.load_site = LoadSite(discrete, scene.material)
+            self.loads = given_loads(scene.load, self.load_site)
             if not by_points:
                 for term in self.terms:
                     term.compiled()
         with timings.phase("assemble"):
             units = discrete.found.setdefault("loads", {}) if by_points else None
             self._loads = [
-                (load.nodal() if units is None else load.nodal_of_units(units), load.path)
+                (one.nodal() if units is None else one.nodal_of_units(units), load.path)
                 for load in self.loads
+                for one in (load.acting,)
             ]
             self._pressures = self._assemble_pressures()
             self.inertia = self._place_masses()
@@ -161,7 +164,7 @@ class Problem:
         return any(contact.contact.against is not None for contact in self.contacts)
 
     @property
-    def can_pair_anew(self) -> bool:
+    def can_update_pairing(self) -> bool:
         """Whether what faces what may change: two bodies touch, and there are load steps."""
         return self.between_bodies and self.scene.load_steps.several
 

@@ -11,7 +11,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.problem.existence.rigid_slip import smooth_closing
+from fenics_contact.problem.existence.rigid_slip import motions_along, smooth_closing
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
 
@@ -19,10 +19,13 @@ from fenics_contact.scene.values import AXES
 _ROUND_OFF = 1e-12
 # Share of a motion from which it is one; and is named: facets do not tell where an axis is exactly.
 _TAKES_PART, _NAMED = 1e-6, 0.02
+# Of a slip along several curved surfaces: what these, whose facets do not agree on the axis to turn
+# about, make of it across.
+_ALONG = 0.01
 
 
 class RigidMotions:
-    """What can move without straining the body as it is now, as columns of a common basis.
+    """Motions that do not strain the body as it is now, as columns of a common basis.
 
     Combinations of translations and rotations of each part of the body (scaled to its size) and
     of the obstacles that a force drives, each along its direction, that leave supports and glue
@@ -59,6 +62,11 @@ class RigidMotions:
         self.force_size = float(max(size.max(initial=0.0), driven.max(initial=0.0)))
 
     @property
+    def parts(self) -> Parts:
+        """The connected parts of the body."""
+        return self._problem.spaces.parts
+
+    @property
     def body_is_held(self) -> bool:
         """Whether only obstacles are free."""
         return not np.abs(self._body).max(initial=0.0) > 1e-9
@@ -86,9 +94,11 @@ class RigidMotions:
         weights, normal, gap = self.closings()
         stops = gap <= 0 if touching else np.ones(len(gap), dtype=bool)
         weights, normal = weights[stops], normal[stops]
-        loose = null_space(np.einsum("q,qi,qj->ij", weights, normal, normal))
+        across = np.einsum("q,qi,qj->ij", weights, normal, normal)
         w, slip = self.slips(coulomb=True, touching=touching)
-        rough = total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip))
+        rough = np.asarray(total(self._problem.comm, np.einsum("q,qci,qcj->ij", w, slip, slip)))
+        loose, _ = motions_along(across, _ALONG**2 * rough)
+        loose /= np.linalg.norm(loose, axis=0)
         return bool(np.trace(loose.T @ rough @ loose) > _ROUND_OFF * np.trace(rough))
 
     def _kept_combinations(self) -> Array:

@@ -1,19 +1,36 @@
-"""The energy terms of a problem, by name, with the forms that are compiled for them."""
+"""The energy terms of a problem with compiled forms, and reactions where several supports meet.
+
+Reactions where supports meet: the part of each in the force at a dof that several hold. The bulk
+needs one force there, while the traction on each support's facets has its part in it. Given to one
+support alone it makes the reactions of both wrong by as much as a cell's side carries. So each
+takes the part that the cells' stress σ has on its facets, ∫ (σ n)_i φ, and what this leaves is
+shared evenly: it is what is not known of the parts.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+import numpy as np
+import ufl
 from dolfinx import fem
+from dolfinx.mesh import compute_midpoints, exterior_facet_indices
+from numpy.typing import NDArray
 
 from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.body.supports import AppliedSupport
+from fenics_contact.body.transposed_form import ForcesOnState, TransposedForm
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal.law import NormalLaw
-from fenics_contact.problem.loads.given_load import GivenLoad
-from fenics_contact.problem.scalars.scalar import ScalarUnknown
+from fenics_contact.problem.loads import GivenLoad
+from fenics_contact.problem.scalar_unknown import ScalarUnknown
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,3 +89,215 @@ def _form_of(load: GivenLoad) -> tuple[fem.Form, ...]:
 
 def _forms_of_loads(law: NormalLaw) -> tuple[fem.Form, ...]:
     return tuple(form for form, _ in law.loads)
+
+
+# Of what the stresses leave: as a part of it is shared, and the parts may be wrong in both ways.
+_SAFETY = 2.0
+# Of the largest radius, to which the middles of facets are on the axis of revolution.
+_ON_THE_AXIS = 1e-9
+
+
+class SharedReactions:
+    """The dofs that facets of several supports share; collective, as all it has.
+
+    A facet that two supports hold along the same axis counts to the first, and so do dofs that one
+    of them holds without facets of its own, such as those of a group of cells.
+
+    Args:
+        supports: All of a body.
+        spaces: The body's.
+        elastic: Its stress.
+    """
+
+    def __init__(
+        self, supports: Sequence[AppliedSupport], spaces: Spaces, elastic: ElasticBody
+    ) -> None:
+        self._spaces, self._elastic = spaces, elastic
+        components = spaces.components
+        self._facets = facets = [
+            _own_facets(supports, number, spaces) for number in range(len(supports))
+        ]
+        size = components * len(spaces.coordinates)
+        touched = np.zeros((len(supports), size), dtype=bool)
+        for number, by_axis in enumerate(facets):
+            for axis, found in enumerate(by_axis):
+                nodes = fem.locate_dofs_topological(
+                    spaces.displacement_space, spaces.body.dimension - 1, found
+                )
+                touched[number, nodes.astype(np.int64) * components + axis] = True
+        shared = touched.sum(axis=0) > 1
+        shared[spaces.owned_nodes * components :] = False
+        first = np.zeros(size, dtype=np.int64)
+        for number in reversed(range(len(supports))):
+            first[supports[number].dofs] = number
+        self._dofs = np.flatnonzero(shared)
+        self._dofs = self._dofs[touched[first[self._dofs], self._dofs]]
+        self._holds = touched[:, self._dofs]
+        self._moved = fem.Function(spaces.displacement_space)
+        self._forms = [
+            self._compiled(by_axis) if total(spaces.comm, int(holds.sum())) else None
+            for by_axis, holds in zip(facets, self._holds, strict=True)
+        ]
+        self._axes = self._dofs % components
+
+    def _compiled(self, by_axis: Sequence[NDArray[np.int32]]) -> fem.Form:
+        return form_cache.form(self._tractions(by_axis))
+
+    def _tractions(self, by_axis: Sequence[NDArray[np.int32]]) -> ufl.Form:
+        """∫ (σ n)_i v_i over a support's facets, along the axes i that it holds."""
+        spaces, elastic = self._spaces, self._elastic
+        mesh, test = spaces.body.mesh, ufl.TestFunction(spaces.displacement_space)
+        normal = ufl.FacetNormal(mesh)
+        stress = (
+            elastic.law.stress(elastic.elastic_strain(self._moved))
+            if elastic.mixed is None
+            else elastic.stress()
+        )
+        domains = [
+            (axis + 1, compat.boundary_entities(mesh.topology, facets))
+            for axis, facets in enumerate(by_axis)
+        ]
+        rule = {"quadrature_degree": spaces.bulk_degree}
+        on = ufl.Measure("ds", mesh, subdomain_data=domains, metadata=rule)
+        components = range(spaces.components)
+        return sum(
+            spaces.weight
+            * sum(stress[axis, j] * normal[j] for j in components)
+            * test[axis]
+            * on(axis + 1)
+            for axis in components
+        )
+
+    @property
+    def are_none(self) -> bool:
+        """Whether no rank has such dofs."""
+        return all(form is None for form in self._forms)
+
+    def are_shared(self, supports: Collection[int], axis: int) -> bool:
+        """Whether some supports share dofs along an axis with others, or with each other."""
+        own = np.isin(np.arange(len(self._holds)), list(supports))
+        found = self._holds[own].any(axis=0) & (self._axes == axis)
+        return bool(total(self._spaces.comm, int(found.sum())) > 0)
+
+    def moved(self, needed: Array, displacement: Array) -> Array:
+        """The part of each support's reaction beyond that of dofs which count to the first.
+
+        Args:
+            needed: What the bulk needs at each dof of this rank, (dofs,) (force).
+            displacement: That needs it, (nodes, components).
+
+        Returns:
+            (supports, components) (force).
+        """
+        parts, left = self._parts(needed, displacement)
+        holders = self._holds.sum(axis=0)
+        parts = np.where(self._holds, parts + left / np.maximum(holders, 1), 0.0)
+        if len(self._dofs):
+            first = np.argmax(self._holds, axis=0)
+            parts[first, np.arange(len(self._dofs))] -= needed[self._dofs]
+        return self._summed(parts)
+
+    def moved_by(self) -> dict[tuple[int, int], tuple[Array, ForcesOnState]]:
+        """Forces on the state whose work is ``moved``, by support and axis.
+
+        Returns:
+            Factors of what the bulk needs at each dof of this rank, (dofs,), with what acts on the
+            state besides.
+        """
+        spaces, count = self._spaces, len(self._holds)
+        if not count:
+            return {}
+        state = self._moved if self._elastic.mixed is None else self._elastic.displacement
+        transposed = [
+            None
+            if form is None
+            else TransposedForm(self._tractions(by_axis), spaces, self._elastic, state)
+            for by_axis, form in zip(self._facets, self._forms, strict=True)
+        ]
+        holders = np.maximum(self._holds.sum(axis=0), 1)
+        first = np.argmax(self._holds, axis=0)
+        found = {}
+        for number, axis in np.ndindex(count, spaces.components):
+            chosen = self._holds[number] & (self._axes == axis)
+            if (spaces.kinematics == "axisymmetric" and axis == 0) or not total(
+                spaces.comm, int(chosen.sum())
+            ):
+                continue
+            left = np.where(chosen, 1 / holders, 0.0)
+            factors = np.zeros(spaces.components * len(spaces.coordinates))
+            factors[self._dofs] = left - np.where(chosen & (first == number), 1.0, 0.0)
+            parts = []
+            for other, form in enumerate(transposed):
+                if form is not None:
+                    tested = np.zeros(len(factors))
+                    own = np.where(chosen, 1.0, 0.0) if other == number else 0.0
+                    tested[self._dofs] = np.where(self._holds[other], own - left, 0.0)
+                    parts.append(form.of(tested.reshape(-1, spaces.components)))
+            found[number, axis] = factors, ForcesOnState.sum(parts)
+        return found
+
+    def unknown(self, needed: Array, displacement: Array, supports: Collection[int]) -> float:
+        """Unknown part of some supports' reaction in what they share with others (force).
+
+        Args:
+            needed: As of ``moved``.
+            displacement: That needs it, (nodes, components).
+            supports: Their numbers.
+        """
+        if self.are_none:
+            return 0.0
+        _, left = self._parts(needed, displacement)
+        own = np.isin(np.arange(len(self._holds)), list(supports))
+        between = self._holds[own].any(axis=0) & self._holds[~own].any(axis=0)
+        unknown = self._summed(np.abs(left[between])[None], between)
+        return _SAFETY * float(np.linalg.norm(unknown))
+
+    def _parts(self, needed: Array, displacement: Array) -> tuple[Array, Array]:
+        """Parts of each support at each shared dof, and what is left of the force there."""
+        self._moved.x.array[:] = displacement.reshape(-1)
+        parts = np.zeros(self._holds.shape)
+        for number, form in enumerate(self._forms):
+            if form is not None:
+                parts[number] = self._spaces.assemble(form).reshape(-1)[self._dofs]
+        parts *= self._holds
+        return parts, needed[self._dofs] - parts.sum(axis=0)
+
+    def _summed(self, parts: Array, chosen: Flags | slice = slice(None)) -> Array:
+        """Over dofs of all ranks by component, (rows, components); radial ones cancel."""
+        axes, components = self._axes[chosen], self._spaces.components
+        sums = [np.bincount(axes, row, components) for row in parts]
+        summed = np.asarray(total(self._spaces.comm, np.reshape(sums, (len(parts), components))))
+        if self._spaces.kinematics == "axisymmetric":
+            summed[:, 0] = 0.0
+        return summed
+
+
+def _own_facets(
+    supports: Sequence[AppliedSupport], number: int, spaces: Spaces
+) -> list[NDArray[np.int32]]:
+    """Facets that a support holds along each axis, and none before it does."""
+    found = []
+    for axis in range(spaces.components):
+        facets = _facets(supports[number], axis, spaces)
+        for before in supports[:number]:
+            facets = np.setdiff1d(facets, _facets(before, axis, spaces))
+        found.append(facets.astype(np.int32))
+    return found
+
+
+def _facets(support: AppliedSupport, axis: int, spaces: Spaces) -> NDArray[np.int32]:
+    """This rank's facets of a support on the body's surface, none if it does not hold that axis.
+
+    Without those on the axis of revolution, which have no area.
+    """
+    mesh, dimension = spaces.body.mesh, spaces.body.dimension
+    group = spaces.body.find(support.on)
+    held = total(spaces.comm, int((support.dofs % spaces.components == axis).sum())) > 0
+    if group is None or group.dimension != dimension - 1 or not held:
+        return np.zeros(0, dtype=np.int32)
+    mesh.topology.create_connectivity(dimension - 1, dimension)
+    facets = np.intersect1d(spaces.body.entities(group), exterior_facet_indices(mesh.topology))
+    if spaces.kinematics == "axisymmetric":
+        radii = compute_midpoints(mesh, dimension - 1, facets.astype(np.int32))[:, 0]
+        facets = facets[radii > _ON_THE_AXIS * largest(spaces.comm, spaces.coordinates[:, 0])]
+    return facets.astype(np.int32)

@@ -39,7 +39,7 @@ class Singular(Enum):
 
 
 # What adds up over the thickness of plane bodies.
-_EXTENSIVE = ("force", "area", "volume", "energy", "impulse")
+_EXTENSIVE = ("force", "force·length", "area", "volume", "energy", "impulse")
 
 
 @dataclass(frozen=True)

@@ -287,6 +287,27 @@ ROWS = (
         is_asked_for=True,
     ),
     Quantity(
+        names.CONTACT_MOMENT,
+        "force·length",
+        "in space: moment of pressure and friction together on the body of `on`, a vector, about "
+        "`moment_about`, by default the centroid of the surface `on`, touching or not",
+        together=Together.OF_THE_ONE,
+        is_of_some=True,
+        is_vector=True,
+        singular=Singular.RESULTANT,
+        is_secondary=True,
+    ),
+    Quantity(
+        names.TORQUE,
+        "force·length",
+        "the part of that moment about the `axis` of the contact; in plane models with "
+        "`moment_about` the moment about the axis across the plane",
+        together=Together.OF_THE_ONE,
+        is_of_some=True,
+        is_asked_for=True,
+        singular=Singular.RESULTANT,
+    ),
+    Quantity(
         names.OBSTACLE_DISPLACEMENT,
         "length",
         "how far an obstacle has been moved besides, a vector, where the scene moves it",

@@ -33,11 +33,7 @@ def register(quantity: Quantity) -> None:
 
 
 def unregister(name: str) -> None:
-    """Take out a row that was registered.
-
-    Args:
-        name: Of the quantity.
-    """
+    """Take out a row that was registered."""
     del _TABLE[name]
 
 

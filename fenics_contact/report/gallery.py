@@ -10,23 +10,19 @@ from typing import TYPE_CHECKING
 from fenics_contact.analyses import registry
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.bodies.film import MOST_BODIES, Overview, draw_body_film
-from fenics_contact.report.bodies.mesh import draw_mesh
 from fenics_contact.report.bodies.picture import draw_body
-from fenics_contact.report.contacts.axis_stress import draw_axis_stress
-from fenics_contact.report.contacts.curves import draw_curves
-from fenics_contact.report.contacts.displacement import draw_surface_displacement
+from fenics_contact.report.contacts.curves import draw_curves, draw_profile
+from fenics_contact.report.contacts.depth_curves import draw_axis_stress, draw_surface_displacement
 from fenics_contact.report.contacts.film import FEWEST_STEPS, Film, draw_film, frame_numbers
 from fenics_contact.report.contacts.maps import draw_maps
-from fenics_contact.report.contacts.profile import draw_profile
 from fenics_contact.report.contacts.section_stress import draw_section
+from fenics_contact.report.convergence import draw_mesh
 from fenics_contact.report.drawing.fields import read_body, read_series, times_of_fields
-from fenics_contact.report.drawing.figures import style
-from fenics_contact.report.drawing.paper import wanted
+from fenics_contact.report.drawing.figures import style, wanted
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.drawing.units import in_units
-from fenics_contact.report.formulas.recognition import recognise
-from fenics_contact.report.histories.load_steps import draw_history
-from fenics_contact.report.histories.wear import draw_worn_history
+from fenics_contact.report.drawing.style import in_units
+from fenics_contact.report.load_steps import draw_history, draw_worn_history
+from fenics_contact.report.recognition import recognise
 from fenics_contact.report.run_to_draw import RunToDraw
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.run import RunRecord

@@ -9,22 +9,19 @@ from markupsafe import Markup
 
 from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import InputError
+from fenics_contact.report.bodies.view_3d import make_view, steps_shown
 from fenics_contact.report.contacts.moving import MovingContact
-from fenics_contact.report.drawing.field_files import whole_body
-from fenics_contact.report.drawing.fields import read_series, times_of_fields
-from fenics_contact.report.drawing.figures import style
-from fenics_contact.report.drawing.paper import Paper, for_paper
+from fenics_contact.report.convergence import draw_convergence
+from fenics_contact.report.drawing.fields import read_series, times_of_fields, whole_body
+from fenics_contact.report.drawing.figures import Paper, for_paper, style
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.drawing.units import in_units
+from fenics_contact.report.drawing.style import in_units
 from fenics_contact.report.gallery import draw_pictures, points_of, require
-from fenics_contact.report.histories.convergence import draw_convergence
 from fenics_contact.report.page.page import Content, page
+from fenics_contact.report.page.view_page import ContactSteps, followers, slider_html, view_html
 from fenics_contact.report.run_to_draw import axes_of
-from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
-from fenics_contact.report.view.view_3d import make_view, steps_shown
-from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.records.run import RunRecord
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.scene.writing import SCENE_FILE
 
 PAGE = "report.html"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fenics_contact.report.formulas.recognition import AnalyticContact
+from fenics_contact.report.recognition import AnalyticContact
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import RunRecord
@@ -58,11 +58,7 @@ class RunToDraw:
 
 
 def axes_of(kinematics: str) -> str:
-    """Letters of the axes of a model.
-
-    Args:
-        kinematics: Of it.
-    """
+    """Letters of the axes of a model."""
     return {"3D": "xyz", "axisymmetric": "rz"}.get(kinematics, "xy")
 
 

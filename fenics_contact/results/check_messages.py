@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from fenics_contact.results.records.model import LevelRecord
-from fenics_contact.results.records.run import Outcome
+from fenics_contact.results.records.run import LevelRecord, Outcome
 from fenics_contact.results.result import Check
-from fenics_contact.results.words.rounding import UNKNOWN
-from fenics_contact.scene.accuracy import Accuracy
+from fenics_contact.results.rounding import UNKNOWN
 from fenics_contact.scene.quantity_names import in_words
+from fenics_contact.scene.settings import Accuracy
 
 
 @dataclass(frozen=True)

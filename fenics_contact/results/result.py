@@ -1,18 +1,23 @@
-"""Results of a run: plain data, global, the same on any number of ranks."""
+"""Results of a run: plain data, global, the same on any number of ranks; and their file."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cache
+from pathlib import Path
 from typing import Any
 
-from fenics_contact.analyses.fretting.places import FrettingPlaces
-from fenics_contact.common.errors import StoppedError
+from pydantic import TypeAdapter, ValidationError
+
+from fenics_contact.analyses.fretting.record import FrettingPlaces
+from fenics_contact.common.errors import InputError, StoppedError
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.records.record import described
 from fenics_contact.results.records.run import Outcome, RunRecord
-from fenics_contact.results.records.steps import CheckRecord
+from fenics_contact.results.records.steps import CheckRecord, StepRecord
 
 
 @dataclass(frozen=True)
@@ -98,13 +103,13 @@ class Result(Outcome):
     interrupted: bool = False
 
     def __repr__(self) -> str:
-        from fenics_contact.results.words.headlines import as_text
+        from fenics_contact.results.quantities import as_text
 
         return as_text(self)
 
     def _repr_html_(self) -> str:
         """Return the HTML that notebooks show."""
-        from fenics_contact.results.words.headlines import as_html
+        from fenics_contact.results.quantities import as_html
 
         return as_html(self)
 
@@ -151,3 +156,55 @@ class Result(Outcome):
         found = self.record(scene="").as_dict()
         del found["scene"]
         return found
+
+
+@cache
+def _reader_of(kind: Any) -> TypeAdapter[Any]:
+    """Made when first needed: a run that reads no file does without."""
+    return TypeAdapter(kind)
+
+
+def read_result(folder: Path) -> RunRecord:
+    """The content of a run's ``result.json``.
+
+    Raises:
+        InputError: There is none, or it is not one of this program; says what is wrong.
+    """
+    path = folder / "result.json"
+    try:
+        return record_of(json.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValidationError as error:
+        raise InputError(f"{path}: not a result of this program: {_said(error)}") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not a result of this program: {error}") from None
+
+
+def record_of(content: Any) -> RunRecord:
+    """Return the record of the content of a ``result.json``.
+
+    Raises:
+        ValidationError: It is not one of this program.
+    """
+    reader: TypeAdapter[RunRecord] = _reader_of(RunRecord)
+    return reader.validate_python(content)
+
+
+def steps_of(content: list[dict[str, Any]]) -> list[StepRecord]:
+    """Load steps as they stand in a file.
+
+    Raises:
+        ValidationError: They are not those of this program.
+    """
+    reader: TypeAdapter[list[StepRecord]] = _reader_of(list[StepRecord])
+    return reader.validate_python(content)
+
+
+def _said(error: ValidationError) -> str:
+    """The first thing that is wrong, and where."""
+    first = error.errors(include_url=False)[0]
+    place = ".".join(map(str, first["loc"]))
+    if first["type"] == "missing":
+        return f"it lacks the key '{place}'"
+    return f"{place or 'the whole'}: {first['msg'][0].lower()}{first['msg'][1:]}"

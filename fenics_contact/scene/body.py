@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BeforeValidator, Field
 
 from fenics_contact.scene.units.dimensions import DENSITY, LENGTH, LENGTH_OR_NUMBER, STRESS
-from fenics_contact.scene.values import VOIGT, Integer, Number, Positive, Text, Value, scene_class
+from fenics_contact.scene.units.materials import MATERIALS, names
+from fenics_contact.scene.values import (
+    VOIGT,
+    Integer,
+    Number,
+    OneOf,
+    Positive,
+    Text,
+    Value,
+    scene_class,
+)
 
 
 @scene_class
@@ -63,6 +74,14 @@ class MeshSource:
         Annotated[Integer, Field(ge=3)] | None,
         Field(description="cells along a full circle made from a geometry, for finer holes"),
     ] = None
+    least_size: Annotated[
+        Positive | None,
+        LENGTH,
+        Field(
+            description="smallest cell made from a geometry, also where `curvature` asks for "
+            "smaller ones: at small radii that matter little"
+        ),
+    ] = None
     time_limit: Annotated[
         Positive,
         Field(description="seconds that meshing or reading the file may take, each time"),
@@ -85,6 +104,11 @@ class MeshSource:
     def __post_init__(self) -> None:
         if "." in self.name:
             raise ValueError(f"name = '{self.name}' must not contain a '.'")
+        for size in (self.size, *self.sizes.values()):
+            if size is not None and self.least_size is not None and size < self.least_size:
+                raise ValueError(
+                    f"least_size = {self.least_size:g} must not exceed the largest cell, {size:g}"
+                )
 
 
 def _stiffness_matrix(value: Any) -> Any:
@@ -158,16 +182,27 @@ class Material:
     density: Annotated[
         Value | None,
         DENSITY,
-        Field(description="ρ > 0; needed where masses count, as of modes; of no effect elsewhere"),
+        Field(
+            description="ρ > 0; needed where masses count, as of modes, and of loads by "
+            "`acceleration` or `rotation`"
+        ),
+    ] = None
+
+    name: Annotated[
+        Annotated[Text, OneOf(names)] | None,
+        Field(
+            description="of a material of the table that `fenics-contact materials` prints, whose "
+            "values hold where none are given beside it; needs `[units]`"
+        ),
     ] = None
 
     def __post_init__(self) -> None:
         isotropic = (self.youngs_modulus, self.poissons_ratio)
-        if self.stiffness is None:
+        if self.stiffness is None and self.name is None:
             for key, value in zip(("youngs_modulus", "poissons_ratio"), isotropic, strict=True):
                 if value is None:
                     raise ValueError(f"{key} is missing (or give a stiffness)")
-        elif isotropic != (None, None):
+        elif self.stiffness is not None and isotropic != (None, None):
             raise ValueError("give either youngs_modulus and poissons_ratio, or stiffness")
         young, poisson = isotropic
         if isinstance(young, float | int) and young <= 0:
@@ -176,3 +211,38 @@ class Material:
             raise ValueError(f"poissons_ratio = {poisson:g} must lie between -1 and 0.5")
         if isinstance(self.density, float | int) and self.density <= 0:
             raise ValueError(f"density = {self.density:g} must be greater than 0")
+
+    @property
+    def by_name(self) -> dict[str, Any]:
+        """Values of the table, with their units, of the keys that are not given."""
+        if self.name is None:
+            return {}
+        known = MATERIALS[self.name]
+        values: dict[str, Any] = {"density": f"{known.density:g} kg/m³"}
+        if self.stiffness is None:
+            values["youngs_modulus"] = f"{known.youngs_modulus:g} GPa"
+            values["poissons_ratio"] = known.poissons_ratio
+        return {key: value for key, value in values.items() if getattr(self, key) is None}
+
+
+def with_values_by_name(materials: tuple[Material, ...], has_units: bool) -> tuple[Material, ...]:
+    """Return materials with the values of those that are named.
+
+    Args:
+        materials: Of a scene.
+        has_units: Whether the scene has units, in which values of the table can be had.
+
+    Raises:
+        ValueError: It has none, and needs such values.
+    """
+    found = []
+    for number, material in enumerate(materials):
+        values = material.by_name
+        if values and not has_units:
+            key = f"material[{number}]" if len(materials) > 1 else "material"
+            raise ValueError(
+                f"{key}.name = {material.name!r}: its values are in SI, so that the scene needs "
+                'its own units, such as [units] with length = "mm" and force = "N"'
+            )
+        found.append(replace(material, **values) if values else material)
+    return tuple(found)

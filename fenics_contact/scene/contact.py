@@ -1,4 +1,4 @@
-"""The part of a scene that says what the body touches."""
+"""The parts of a scene that say where contact may be: its laws, its obstacle, its wear."""
 
 from __future__ import annotations
 
@@ -7,19 +7,21 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
+from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.laws.friction_laws import AnyFrictionLaw
-from fenics_contact.scene.laws.law_tables import kinds_of
-from fenics_contact.scene.laws.normal_laws import NORMAL_LAWS, AnyNormalLaw
-from fenics_contact.scene.laws.wear import Wear
+from fenics_contact.scene.laws.law_tables import NORMAL_LAWS, AnyNormalLaw, kinds_of
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.units.dimensions import (
     COMPLIANCE,
     LENGTH,
+    PER_STRESS,
+    PLACE,
     STIFFNESS,
     STRESS,
 )
 from fenics_contact.scene.values import (
     CONSTANT,
+    PER_AXIS,
     RAMP,
     LoadPath,
     Number,
@@ -29,6 +31,45 @@ from fenics_contact.scene.values import (
     Value,
     scene_class,
 )
+
+
+@scene_class
+class Wear:
+    """Archard's law: where a point slips by ds under a pressure p, the surfaces lose k p |ds|.
+
+    What is lost widens the gap of the load steps that follow.
+
+    >>> Wear(coefficient=1e-8).threshold
+    0.0
+    """
+
+    coefficient: Annotated[
+        Value,
+        PER_STRESS,
+        Field(
+            description="k ≥ 0: worn volume over force and way, of both surfaces together "
+            "(hardness is in it)"
+        ),
+    ]
+    threshold: Annotated[
+        Annotated[Number, Field(ge=0)],
+        STRESS,
+        Field(description="pressure up to which nothing is worn; beyond, what exceeds it wears"),
+    ] = 0.0
+
+    share: Annotated[
+        Annotated[Number, Field(ge=0, le=1)] | None,
+        FREE_AT_RESUME,
+        Field(
+            description="between bodies: part of the depth that the surface `on` loses, the other "
+            "loses the rest; by default nothing is said of which has lost how much"
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.coefficient, float | int) and self.coefficient < 0:
+            raise ValueError(f"coefficient = {self.coefficient} must be ≥ 0")
+
 
 Kind = Literal["prescribed", "unilateral", "winkler", "bonded"]
 
@@ -142,10 +183,26 @@ class Contact:
         LENGTH,
         Field(description="the paper's ε, a slip; `auto` keeps its bias below .1 %"),
     ] = "auto"
+    axis: Annotated[
+        Annotated[tuple[Number, ...], PER_AXIS] | None,
+        Field(
+            description="in space: direction of the axis about which the quantity `torque` is, of "
+            "any length; it leads through `moment_about`"
+        ),
+    ] = None
+    moment_about: Annotated[
+        Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS] | None,
+        Field(
+            description="point that the moments of the contact are about; by default the centroid "
+            "of `on`; in plane models the quantity `torque` needs it"
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         if self.normal_law is not None and self.contact is not None:
             raise ValueError(f"contact: the normal_law says that it is {self.normal_law.kind}")
+        if self.axis is not None and not any(self.axis):
+            raise ValueError("axis = 0: give the direction of the axis")
         needed = _NEEDS.get(self.kind)
         if needed is not None and getattr(self, needed) is None:
             raise ValueError(f"{needed} is missing: {self.kind} contact needs it")

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from fenics_contact.analyses import registry
 from fenics_contact.scene.body import MeshSource
+from fenics_contact.scene.contact import Contact, kinds_in_motion
+from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.loading.load_paths import require_cycles
-from fenics_contact.scene.loading.motion import require_motion
+from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.obstacle import Obstacle
-from fenics_contact.scene.values import AXES, profiles_of
-
-if TYPE_CHECKING:
-    from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.settings import Steps
+from fenics_contact.scene.values import AXES, RAMP, profiles_of
 
 _SAME_TIME = 1e-9
 
 
-def require_fit(scene: Scene) -> None:
+def require_fit(scene: CoreScene) -> None:
     """Refuse a scene whose parts do not fit each other.
 
     Args:
@@ -39,13 +38,13 @@ def require_fit(scene: Scene) -> None:
     _require_distinct("contacts", [contact.label for contact in scene.contact])
     _require_distinct("preloads", [preload.label for preload in scene.preload])
     _require_known(scene)
-    for require in _OF_TABLES:
-        require(scene)
+    require_cycles(scene)
+    _require_motion(scene)
     for part in registry.parts_of_scene(scene, "table"):
         part.require(scene)
 
 
-def _require_vectors(scene: Scene) -> None:
+def _require_vectors(scene: CoreScene) -> None:
     """Refuse vectors and profiles that do not have the axes of the model."""
     dimension = scene.dimension
     for number, support in enumerate(scene.support):
@@ -55,9 +54,15 @@ def _require_vectors(scene: Scene) -> None:
                     f"support[{number}].displacement.{axis}: a {scene.kinematics} model has "
                     f"only the axes {', '.join(AXES[:dimension])}"
                 )
-    vectors: dict[str, Sequence[object]] = {}
+        if support.rotation is not None:
+            support.rotation.require_model(scene.kinematics, f"support[{number}].rotation")
+    vectors: dict[str, Sequence[object]] = {
+        f"support[{number}].rotation.at": support.rotation.at
+        for number, support in enumerate(scene.support)
+        if support.rotation is not None and support.rotation.at is not None
+    }
     for number, load in enumerate(scene.load):
-        vectors |= load.definition.vectors(load.value, f"load[{number}].{load.kind}")
+        vectors |= load.vectors(f"load[{number}]")
     vectors |= {f"point[{number}].at": point.at for number, point in enumerate(scene.point)}
     for key, vector in vectors.items():
         if len(vector) != dimension:
@@ -67,10 +72,19 @@ def _require_vectors(scene: Scene) -> None:
     if dimension == 2 and any(profile.along == "z" for profile in profiles_of(scene)):
         raise ValueError(f"a profile along z: a {scene.kinematics} model has only x and y")
     for number, contact in enumerate(scene.contact):
-        _require_axes(contact.obstacle, dimension, f"contact[{number}].obstacle")
+        key = f"contact[{number}]"
+        _require_axes(contact.obstacle, dimension, f"{key}.obstacle")
+        _require_axes(contact, dimension, key)
+        if scene.kinematics == "axisymmetric" and contact.moment_about is not None:
+            raise ValueError(f"{key}.moment_about: of a whole turn there are no moments")
+        if dimension == 2 and contact.axis is not None:
+            raise ValueError(
+                f"{key}.axis: a {scene.kinematics} model has no torque about an axis in its plane; "
+                "in the plane give moment_about alone"
+            )
 
 
-def _require_model(scene: Scene) -> None:
+def _require_model(scene: CoreScene) -> None:
     """Refuse keys that the kinematic model does not have."""
     if scene.thickness is not None and scene.kinematics != "plane stress":
         raise ValueError(f"thickness is for plane stress, not for {scene.kinematics}")
@@ -79,6 +93,8 @@ def _require_model(scene: Scene) -> None:
     for number, contact in enumerate(scene.contact):
         if contact.friction_law is not None:
             contact.friction_law.require_model(scene.kinematics, f"contact[{number}]")
+    for number, load in enumerate(scene.load):
+        load.require_model(scene.kinematics, f"load[{number}]")
     if scene.half_space is not None and (scene.load or scene.preload):
         what = "load" if scene.load else "preload"
         raise ValueError(f"half_space: only the contacts' forces reach it, so leave out {what}")
@@ -86,7 +102,7 @@ def _require_model(scene: Scene) -> None:
         raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
 
 
-def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
+def _require_bolt(scene: CoreScene, preload: Preload, key: str) -> None:
     """Refuse a bolt whose axis does not fit the model, or is locked where no load step ends."""
     axis, locked, motion = preload.axis, preload.locked_from, scene.motion
     steps = scene.steps if motion is None else motion.steps
@@ -122,7 +138,7 @@ def _require_bolt(scene: Scene, preload: Preload, key: str) -> None:
         )
 
 
-def _require_known(scene: Scene) -> None:
+def _require_known(scene: CoreScene) -> None:
     """Every quantity that an accuracy is asked of is one of the scene."""
     for name in () if scene.accuracy is None else scene.accuracy.of:
         try:
@@ -146,13 +162,123 @@ def _require_distinct(things: str, names: Sequence[str]) -> None:
         raise ValueError(f"two {things} are called '{name}': give each its own name")
 
 
-def _require_axes(obstacle: Obstacle | None, dimension: int, key: str) -> None:
-    """Vectors of an obstacle have one entry an axis."""
-    for name in ("position", "normal", "along", "direction", "displacement"):
-        vector = getattr(obstacle, name, None)
+def _require_axes(table: Obstacle | Contact | None, dimension: int, key: str) -> None:
+    """Vectors of an obstacle or a contact have one entry an axis."""
+    names = ("position", "normal", "along", "direction", "displacement", "axis", "moment_about")
+    for name in names:
+        vector = getattr(table, name, None)
         if vector is not None and len(vector) != dimension:
             raise ValueError(f"{key}.{name} has {len(vector)} entries; it needs {dimension}")
 
 
-# Of tables that not every scene has.
-_OF_TABLES = (require_cycles, require_motion)
+def _require_motion(scene: CoreScene) -> None:
+    """Refuse what has no meaning, or cannot be had yet, where bodies move, and laws that need it.
+
+    Raises:
+        ValueError: In words.
+    """
+    motion = scene.motion
+    if motion is None:
+        for number, contact in enumerate(scene.contact):
+            law = contact.friction_law
+            if law is not None and law.needs_motion:
+                raise ValueError(
+                    f"contact[{number}].friction_law: {law.kind} friction follows velocities, and "
+                    "nothing moves here: give [motion]"
+                )
+        return
+    others = {
+        "steps": scene.steps != Steps(),
+        "cycles": scene.cycles is not None,
+        "half_space": scene.half_space is not None,
+        "accuracy": scene.accuracy is not None,
+        **dict.fromkeys(registry.tables_not_with(scene, "motion"), True),
+        "solver.branches": scene.solver.branches,
+        "solver.stabilisation": scene.solver.stabilisation,
+    }
+    for key, is_there in others.items():
+        if is_there:
+            raise ValueError(f"motion: bodies that move have no {key}; leave one of the two out")
+    if scene.solver.solver not in ("auto", "condensed"):
+        raise ValueError(
+            f"motion: it is solved by 'condensed', not by solver.solver = '{scene.solver.solver}'"
+        )
+    for group, velocity in motion.velocity.items():
+        if len(velocity) != scene.dimension:
+            raise ValueError(
+                f"motion.velocity.{group} has {len(velocity)} entries; a {scene.kinematics} model "
+                f"needs {scene.dimension}"
+            )
+    if scene.preload and motion.rayleigh is not None and motion.rayleigh.stiffness > 0:
+        raise ValueError(
+            "motion.rayleigh.stiffness: not beside a preload, whose shortening it would resist as "
+            "if it were a strain; give motion.rayleigh.mass"
+        )
+    _require_own_paths(scene)
+    _require_free_modes(scene, motion)
+    for number, contact in enumerate(scene.contact):
+        _require_contact_moves(contact, f"contact[{number}]")
+
+
+def _require_free_modes(scene: CoreScene, motion: Motion) -> None:
+    """Modes are those of bodies alone: nothing damps, rubs or ties them."""
+    if motion.modes is None:
+        return
+    others = {
+        "motion.rayleigh": motion.rayleigh is not None,
+        "motion.absorbing": bool(motion.absorbing),
+        "preload": bool(scene.preload),
+    }
+    for number, contact in enumerate(scene.contact):
+        others[f"contact[{number}] with friction"] = contact.is_rough
+        others[f"contact[{number}].kind = 'bonded'"] = contact.kind == "bonded"
+    for key, is_there in others.items():
+        if is_there:
+            raise ValueError(f"motion.modes: not beside {key} yet; leave one of the two out")
+
+
+def _require_own_paths(scene: CoreScene) -> None:
+    """Refuse loads without a path of their own: the ramp of load steps would end at time 1."""
+    acting = {
+        **{f"load[{number}].path": load.path for number, load in enumerate(scene.load)},
+        **{
+            f"support[{number}].path": support.path
+            for number, support in enumerate(scene.support)
+            if support.moves
+        },
+        **{
+            f"preload[{number}].path": preload.path
+            for number, preload in enumerate(scene.preload)
+            if preload.locked_from is None
+        },
+    }
+    for number, contact in enumerate(scene.contact):
+        obstacle = contact.obstacle
+        if obstacle is not None and obstacle.indentation:
+            acting[f"contact[{number}].obstacle.path"] = obstacle.path
+        if obstacle is not None and obstacle.displacement is not None:
+            acting[f"contact[{number}].obstacle.displacement_path"] = obstacle.displacement_path
+    for key, path in acting.items():
+        if path == RAMP:
+            raise ValueError(
+                f"motion: {key} is missing, or is the ramp of load steps from 0 to 1: say how it "
+                "acts in time; what always acts has { time = [0], factor = [1] }, a ramp goes on "
+                "as long as the motion"
+            )
+
+
+def _require_contact_moves(contact: Contact, key: str) -> None:
+    if contact.obstacle is not None and contact.obstacle.force is not None:
+        raise ValueError(f"motion: {key}.obstacle.force: an obstacle has no mass; move it instead")
+    if contact.wear is not None:
+        raise ValueError(f"motion: {key}.wear: bodies that move do not wear yet; leave it out")
+    if not contact.fits_motion:
+        kinds = ", ".join(kinds_in_motion())
+        raise ValueError(f"motion: {key}: only contacts that are {kinds} can move yet")
+    law = contact.friction_law
+    follows = contact.law != "static" and (law is None or law.fits_motion)
+    if contact.is_rough and not follows:
+        raise ValueError(
+            f"motion: {key}: only Coulomb's friction of law = 'incremental', or with a "
+            "friction_law of kind = 'speed dependent', follows velocities yet"
+        )

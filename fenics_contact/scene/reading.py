@@ -170,7 +170,7 @@ def _parsed(text: str, path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        from fenics_contact.scene.messages.toml_structure import what_is_wrong
+        from fenics_contact.scene.messages.toml_slips import what_is_wrong
 
         raise InputError(f"{path}: not valid TOML: {what_is_wrong(text, error)}") from None
     except (ValueError, RecursionError) as error:  # thousands of digits, or of brackets

@@ -17,24 +17,24 @@ from fenics_contact.analyses.derivatives.table import DerivativeRequest, as_tole
 from fenics_contact.analyses.fretting.table import Fretting
 from fenics_contact.analyses.stability.table import Stability
 from fenics_contact.analyses.vibration.table import Damping, Modes
-from fenics_contact.scene.accuracy import Accuracy, Share, as_accuracy
-from fenics_contact.scene.body import Material
+from fenics_contact.scene.body import Material, with_values_by_name
 from fenics_contact.scene.body import MeshSource as MeshSource
 from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.fit import require_fit
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
-from fenics_contact.scene.loading.conditions import Load, Point, Preload, Support
+from fenics_contact.scene.loading.conditions import Load, Point, Preload
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import load_steps_of
 from fenics_contact.scene.loading.motion import Motion
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import HalfSpace
-from fenics_contact.scene.quantity_names import QuantityNames
-from fenics_contact.scene.steps import SolverSettings as SolverSettings
-from fenics_contact.scene.steps import Steps as Steps
-from fenics_contact.scene.units.dimensions import LENGTH
+from fenics_contact.scene.settings import Accuracy, Share, as_accuracy
+from fenics_contact.scene.settings import SolverSettings as SolverSettings
+from fenics_contact.scene.settings import Steps as Steps
+from fenics_contact.scene.units.dimensions import LENGTH, UnitNames
 from fenics_contact.scene.units.table import Units, convert_texts
 from fenics_contact.scene.values import (
-    HasUnits,
     Integer,
     Kinematics,
     Positive,
@@ -62,7 +62,7 @@ class Discretisation:
 
 
 @scene_class
-class Scene(HasUnits):
+class Scene(CoreScene):
     """Everything a run needs to know.
 
     A block on a rough floor is pressed down by 10 and pulled by 3, both per area. It stands on
@@ -211,24 +211,25 @@ class Scene(HasUnits):
     ] = None
 
     def use_units(self) -> None:
-        """Put numbers where there are texts with a unit."""
+        """Put numbers where there are texts with a unit, and values of materials by name."""
         convert_texts(self, self.units, self.is_per_unit_thickness)
+        materials = with_values_by_name(self.material, self.units is not None)
+        if materials != self.material:
+            object.__setattr__(self, "material", materials)
+            convert_texts(self, self.units, self.is_per_unit_thickness)
 
     def __post_init__(self) -> None:
         require_fit(self)
+
+    @property
+    def unit_names(self) -> UnitNames | None:
+        """Names of the units of its numbers and results; None where it has none."""
+        return None if self.units is None else self.units.names(self.is_per_unit_thickness)
 
     @cached_property
     def load_steps(self) -> Steps:
         """All load steps, to the end of the last cycle; of cycles with jumps the ends of all."""
         return load_steps_of(self)
-
-    def path_time(self, time: float) -> float:
-        """The pseudo-time at which load paths are asked: of all cycles that in the first.
-
-        Args:
-            time: Pseudo-time of the load steps.
-        """
-        return time if self.cycles is None else self.cycles.repetition.first_time(time)
 
     @property
     def at_rest(self) -> Scene:
@@ -239,27 +240,3 @@ class Scene(HasUnits):
         )
         preloads = tuple(replace(one, locked_from=None) for one in self.preload)
         return replace(self, contact=contacts, preload=preloads, motion=None, steps=Steps())
-
-    @property
-    def dimension(self) -> int:
-        """Number of displacement components, 3 in 3D, else 2."""
-        return 3 if self.kinematics == "3D" else 2
-
-    @property
-    def is_per_unit_thickness(self) -> bool:
-        """Whether forces, areas and energies of the model are per length."""
-        return self.dimension == 2 and self.kinematics != "axisymmetric" and self.thickness is None
-
-    @property
-    def names(self) -> QuantityNames:
-        """The names by which quantities can be asked for."""
-        supports = [*(support.label for support in self.support), *self.symmetry]
-        if self.half_space is not None:
-            supports.append(self.half_space.label)
-        return QuantityNames(
-            contacts=tuple(contact.label for contact in self.contact),
-            supports=tuple(supports),
-            points=tuple(point.name for point in self.point),
-            preloads=tuple(preload.label for preload in self.preload),
-            dimension=self.dimension,
-        )

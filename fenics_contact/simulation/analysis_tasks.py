@@ -12,16 +12,16 @@ from typing import Any
 from mpi4py import MPI
 
 from fenics_contact.analyses import registry
-from fenics_contact.analyses.analysis import Analysis
+from fenics_contact.analyses.registry import Analysis
 from fenics_contact.common.failures import attempt, silently
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.records.model import Seconds
+from fenics_contact.results.records.run import Seconds
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.step_driver import StepDriver
 from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 
 @dataclass(frozen=True)

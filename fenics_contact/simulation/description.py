@@ -5,19 +5,51 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from fenics_contact.common.parallel import total
+from fenics_contact.common.parallel import smallest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal import law_of
 from fenics_contact.problem.existence.condition import FreeMotion
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.table import measured_by
 from fenics_contact.results.records.contacts import ContactRecord, LawAnswers, array_record
-from fenics_contact.results.records.model import Model, RigidMotion
 from fenics_contact.results.records.record import UnitsRecord
+from fenics_contact.results.records.run import Model, RigidMotion
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.units.table import names_of
-from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice
+from fenics_contact.solve.systems.contact_dofs import dofs_of
+from fenics_contact.solve.systems.near_nodes import near_nodes
+from fenics_contact.solve.systems.solution import Solution
+
+
+def words_on_contact_dofs(problem: Problem, choice: SolverChoice) -> list[str]:
+    """How many displacements of each contact are condensed onto, where these are many; collective.
+
+    What a large contact costs grows with their square, in memory, and cube.
+
+    Args:
+        problem: The model.
+        choice: Its solver.
+    """
+    near = near_nodes(problem)
+    if choice.name != "condensed" or not any(near):
+        return []
+    acting = [contact for contact in problem.contacts if contact.forces.terms]
+    every = [len(dofs_of(contact.sides, None)) for contact in acting]
+    left = [len(dofs_of(one.sides, which)) for one, which in zip(acting, near, strict=True)]
+    found = []
+    for contact, all_of, kept in zip(acting, every, left, strict=True):
+        if kept:
+            share = f"{100 * kept / sum(left):.0f} % of those of all contacts"
+            words = f"{kept:,} of {all_of:,} displacements are condensed onto, {share}"
+        else:
+            gap = smallest(problem.comm, contact.kinematics.gap)
+            length = (
+                "" if problem.scene.unit_names is None else f" {problem.scene.unit_names.length}"
+            )
+            words = f"open by {gap:.3g}{length} or more; its {all_of:,} displacements are left out "
+            words += "unless it closes"
+        found.append(f"Contact '{contact.label}': {words}")
+    return found
 
 
 def model_of(
@@ -85,7 +117,7 @@ def units_of(scene: Scene, quantities: Iterable[str]) -> UnitsRecord | None:
         scene: What was solved.
         quantities: Names of those that the run has.
     """
-    names = names_of(scene)
+    names = scene.unit_names
     if names is None:
         return None
     measured = {name: names.of(measured_by(name)) for name in quantities}

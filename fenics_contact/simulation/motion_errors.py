@@ -1,8 +1,8 @@
 """Error bars of a motion, by motions with less of each error; each is solved from its begin.
 
-How fast an error falls depends on what happens. What hits or begins to slide within a step is known
-to the first order of the step, and the fronts of waves, which elements smear, to the order ½ of the
-cells; of smooth motions errors fall faster, and the bars are wider than need be.
+How fast an error falls depends on what happens. What hits or begins to slide within a step is
+known to the first order of the step, and the fronts of waves, which elements smear, to the order
+½ of the cells; of smooth motions errors fall faster, and the bars are wider than need be.
 """
 
 from __future__ import annotations
@@ -27,11 +27,39 @@ from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Result
+from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.reduced_parameters import FACTOR, with_reduced
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, row_of
+
+# The part of ε and of ε₁ that is left.
+_LEFT = 1 / 32
+#: Of the difference, for what is left: errors of first order, and not of the leading order alone.
+FACTOR = 1 / (1 - _LEFT) ** 2
+
+
+def with_reduced(scene: Scene, contacts: Sequence[ContactRecord], name: str) -> Scene | None:
+    """A scene with a small part of ε or of ε₁; the same one where contacts have none.
+
+    Args:
+        scene: That was solved.
+        contacts: With ε and ε₁ as used.
+        name: ``penalty_parameter`` or ``regularisation_parameter``.
+
+    Returns:
+        None where it varies over a contact, so that no number stands for it.
+    """
+
+    def less(contact: Contact, record: ContactRecord) -> Contact:
+        used = record.parameters.get(name)
+        return replace(contact, **{name: _LEFT * used}) if used else contact
+
+    if any(isinstance(record.parameters.get(name), str) for record in contacts):
+        return None
+    pairs = zip(scene.contact, contacts, strict=True)
+    return replace(scene, contact=tuple(less(contact, record) for contact, record in pairs))
+
 
 # Of a difference to half the step, and to cells of half the size with half the step: by their
 # orders; and for what is not the leading order.

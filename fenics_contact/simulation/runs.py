@@ -7,8 +7,8 @@ from mpi4py import MPI
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.adaptive.fine_enough import first_run
 from fenics_contact.simulation.adaptive.levels import AdaptiveRun
+from fenics_contact.simulation.adaptive.next_mesh import first_run
 from fenics_contact.simulation.scene_run import Run
 
 

@@ -20,26 +20,24 @@ from fenics_contact.problem.existence.condition import FreeMotion, require_equil
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.records.contacts import ContactRecord
-from fenics_contact.results.records.model import Model
+from fenics_contact.results.records.run import Model
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.analysis_tasks import AnalysisTasks
-from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun
+from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun, ResultOfRun
 from fenics_contact.simulation.modes_of_motion import ChosenModes, choose_modes, modes_ahead
 from fenics_contact.simulation.motion_errors import MotionErrors
 from fenics_contact.simulation.output.functions import Fields
-from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
-from fenics_contact.simulation.result_of_run import ResultOfRun
-from fenics_contact.simulation.scene_mesh import mesh_of
+from fenics_contact.simulation.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.steps_of_run import RunListeners, StepsOfRun, by_default
-from fenics_contact.simulation.studies.kept_body import KeptBody
-from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
+from fenics_contact.simulation.studies.kept_body import KeptBody, mesh_of
+from fenics_contact.solve.condensed.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_stepper import begin_motion
-from fenics_contact.solve.newton.solution import Solution
 from fenics_contact.solve.solver_choice import SolverChoice, choose_solver
+from fenics_contact.solve.systems.solution import Solution
 
 logger = logging.getLogger(__name__)
 

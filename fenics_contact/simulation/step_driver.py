@@ -12,11 +12,11 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.accepted_step import AuxiliaryState, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, error_budget
 
 

@@ -22,9 +22,9 @@ from fenics_contact.results.records.steps import Largest, LoadRecord, StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.simulation.description import regularisation_of
 from fenics_contact.simulation.output.functions import Fields, fields_of
-from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.trust.checks.run_checks import made, run_checks
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.linear_range import LinearRange, linear_range
+from fenics_contact.trust.run_checks import made, run_checks
 
 # Steps of a motion that are many, of which strains are looked at in every fourth.
 _MANY, _SELDOM = 100, 4

@@ -16,10 +16,9 @@ from fenics_contact.results.load_history import Announce, step_line
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import UnitNames
-from fenics_contact.scene.units.table import names_of
 from fenics_contact.simulation.analysis_tasks import AnalysisTasks
 from fenics_contact.simulation.end_of_run import AtEnd, EndOfRun
-from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_driver import StateKeeper
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener, Unknowns
@@ -173,7 +172,7 @@ def by_default(scene: Scene) -> Announce:
     Args:
         scene: That is solved.
     """
-    return partial(_log_step, names_of(scene)) if scene.load_steps.several else _say_nothing
+    return partial(_log_step, scene.unit_names) if scene.load_steps.several else _say_nothing
 
 
 def _log_step(units: UnitNames | None, number: int, step: StepRecord) -> None:

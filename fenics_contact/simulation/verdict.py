@@ -10,13 +10,14 @@ import numpy as np
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.parallel import largest
 from fenics_contact.problem.existence.slip_shares import HELD, slip_shares
+from fenics_contact.problem.existence.undetermined import undetermined
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import CONTACT_AREA, SLIP_SINCE_PAIRING
 from fenics_contact.results.check_messages import failure
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
-from fenics_contact.scene.steps import Steps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.scene.settings import Steps
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.convergence.coarse_contacts import words_on
 from fenics_contact.trust.linear_range import worst_step
 
@@ -61,6 +62,7 @@ def remarks(
     """
     asked: tuple[Callable[[], str], ...] = (
         lambda: slips_as_a_whole(problem, solution),
+        lambda: arbitrary_motion(problem, solution),
         lambda: untouched(problem, solution, steps),
         lambda: without_friction(problem),
         lambda: facets_too_straight(problem, solution),
@@ -133,6 +135,17 @@ def slips_as_a_whole(problem: Problem, solution: Solution) -> str:
     if found is None or found.share <= HELD:
         return ""
     return f" There is no equilibrium: {found.words}."
+
+
+def arbitrary_motion(problem: Problem, solution: Solution) -> str:
+    """Sentences on parts whose place is one of many in equilibrium, or nothing; collective.
+
+    Args:
+        problem: The model.
+        solution: Of the last load step.
+    """
+    found = undetermined(problem, solution.states, solution.imbalance_limit)
+    return "" if found is None else found.words
 
 
 def asked_too_much(

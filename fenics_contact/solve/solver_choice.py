@@ -1,4 +1,4 @@
-"""Which solver a problem gets, how much memory each needs, and whether the machine has it.
+"""The choice of a solver for a problem, with the memory each needs and what the machine has.
 
 How much memory each solver needs: what it holds, part by part. The constants below are measured by
 ``benchmarks/memory_use.py``, which runs scenes in processes of their own, compares, and says by
@@ -7,7 +7,7 @@ which factor each part would have to change.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import log2, sqrt
 from typing import Literal
@@ -24,10 +24,14 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import is_part_free
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
+from fenics_contact.solve.condensed.elimination import pays
 from fenics_contact.solve.iterative.contact_zone import cannot_be_carried
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
+from fenics_contact.solve.near_system import NearSystem
+from fenics_contact.solve.systems.contact_dofs import dofs_of, slaves_of
 from fenics_contact.solve.systems.full_system import FullSystem
+from fenics_contact.solve.systems.near_nodes import NearNodes, near_nodes
 from fenics_contact.solve.systems.system import System
 
 Name = Literal["condensed", "full", "iterative"]
@@ -48,9 +52,11 @@ _COPIES = 5.0
 # of cells at the contacts, in bytes over contact dofs (measured: 14,000-16,000).
 _MULTIGRID, _ZONE = 2.4, 15_000.0
 # What is dense. ``condensed``: S and what it and a Newton step make of it, in bytes over (contact
-# dofs)². Of two bodies P couples every dof of a slave to every one of its master: that is in the
-# tangent of ``full``, in bytes over (dofs of both surfaces)²; ``iterative`` only applies P.
+# dofs)²; less of dofs on which no contact acts. Of two bodies P couples every dof of a slave to
+# every one of its master: that is in the tangent of ``full``, in bytes over (dofs of both
+# surfaces)²; ``iterative`` only applies P.
 _DENSE = {"condensed": 60.0, "full": 0.0, "iterative": 0.0}
+_ELIMINATED = {"condensed": 14.0, "full": 0.0, "iterative": 0.0}
 _COUPLED = {"condensed": 0.0, "full": 75.0, "iterative": 0.0}
 
 # Error bars: bytes for every dof of every cell, of the local problems (measured in space:
@@ -58,19 +64,29 @@ _COUPLED = {"condensed": 0.0, "full": 75.0, "iterative": 0.0}
 _ERROR_BARS = {2: 150.0, 3: 500.0}
 
 
-def memory_estimate(problem: Problem, name: Name) -> float:
+def memory_estimate(problem: Problem, name: Name, is_kept: bool = False) -> float:
     """Bytes that a run needs on all ranks together, above the program at rest; collective."""
-    return sum(memory_terms(problem, name).values())
+    return sum(memory_terms(problem, name, is_kept).values())
 
 
-def memory_terms(problem: Problem, name: Name) -> dict[str, float]:
-    """The same by what needs it (bytes); collective."""
+def memory_terms(problem: Problem, name: Name, is_kept: bool = False) -> dict[str, float]:
+    """Memory by what needs it (bytes); collective.
+
+    Args:
+        problem: The problem.
+        name: Of the solver.
+        is_kept: Whether the body is condensed for many problems, onto all that may touch.
+    """
     count, contact = unknowns(problem), contact_unknowns(problem)
     matrix = _matrix(problem)
+    near = [None] * len(acting_sides(problem)) if is_kept else near_nodes(problem)
+    every, acted_on = condensed_onto(problem, near)
+    between = _between_ranks(problem)
+    dense = _DENSE[name] * acted_on**2 + _ELIMINATED[name] * ((every + between) ** 2 - acted_on**2)
     terms = {
         "program": _PROGRAM * problem.comm.size,
         "mesh": _CELL * _cells(problem) + _UNKNOWN * count,
-        "dense": _DENSE[name] * (contact + _between_ranks(problem)) ** 2,
+        "dense": dense,
         "pairs": _COUPLED[name] * _coupled(problem),
     }
     if _has_error_bars(problem, name):
@@ -93,7 +109,7 @@ def _has_error_bars(problem: Problem, name: Name) -> bool:
 
 
 def _factor_entries(problem: Problem, name: Name) -> float:
-    """Of MUMPS, of every body by itself: what touches another one is condensed onto or small."""
+    """Entries of MUMPS' factors, of every body by itself: contacts are condensed onto, or small."""
     parts = problem.spaces.parts
     nodes = parts.sums(np.ones(problem.spaces.owned_nodes))
     share = nodes / nodes.sum() * unknowns(problem)
@@ -135,10 +151,26 @@ def contact_unknowns(problem: Problem) -> int:
 
     Those that contacts share count once.
     """
-    acting = [contact for contact in problem.contacts if contact.forces.terms]
-    dofs = [contact.trace.surface.dofs for contact in acting]
-    dofs += [t.surface.dofs for c in acting if (t := c.sides.opposite) is not None]
-    return len(np.unique(np.concatenate(dofs))) if dofs else 0
+    return condensed_onto(problem, [None] * len(acting_sides(problem)))[0]
+
+
+def condensed_onto(problem: Problem, near: Sequence[NearNodes | None]) -> tuple[int, int]:
+    """Numbers of contact dofs, and of those on which contacts act; collective.
+
+    Args:
+        problem: The problem.
+        near: The nodes of each contact that can touch.
+    """
+    pairs = list(zip(acting_sides(problem), near, strict=True))
+    every, slaves = (
+        len(np.unique(np.concatenate([np.zeros(0, np.int64), *dofs])))
+        for dofs in (
+            [dofs_of(sides, which) for sides, which in pairs],
+            [slaves_of(sides, which) for sides, which in pairs],
+        )
+    )
+    has_scalars = len(problem.unknowns) > len(problem.body_scalars)
+    return every, every if has_scalars or not pays(every, every - slaves) else slaves
 
 
 def _coupled(problem: Problem) -> float:
@@ -209,8 +241,8 @@ def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
             )
         if wanted == "iterative" and (why := cannot_be_carried(problem)):
             raise InputError(
-                f"solver.solver = 'iterative' is not for this model: {why}; choose contact.slave "
-                "otherwise, or use 'condensed'"
+                f"solver.solver = 'iterative' is not for this model: {why}; "
+                f"solver.solver = 'condensed' would do{_or_other_slaves(problem)}"
             )
         choice = SolverChoice(wanted, "as the scene says", memory_estimate(problem, wanted))
     if choice.memory > free:
@@ -222,10 +254,19 @@ def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
     return choice
 
 
+def _or_other_slaves(problem: Problem) -> str:
+    """Advice on slaves that the scene names, without which there may be a choice that would do."""
+    named = [f"'{contact.label}'" for contact in problem.scene.contact if contact.slave != "auto"]
+    if not named:
+        return ""
+    return f", or perhaps contact.slave = 'auto' at {', '.join(named)}"
+
+
 def _that_would_do(problem: Problem, refused: SolverChoice, free: float) -> str:
     """Advice to take another solver, if one fits that is for the model; collective."""
     names: list[Name] = []
-    if not problem.inertia.moves and _suits_multigrid(problem) and not cannot_be_carried(problem):
+    is_carried = not cannot_be_carried(problem) and not is_part_free(problem).any()
+    if not problem.inertia.moves and _suits_multigrid(problem) and is_carried:
         names.append("iterative")
     names += ["condensed"] if problem.inertia.moves else ["condensed", "full"]
     for name in names:
@@ -237,13 +278,13 @@ def _that_would_do(problem: Problem, refused: SolverChoice, free: float) -> str:
 
 
 def _of_kept_body(problem: Problem) -> SolverChoice:
-    """What costs least once it is there."""
-    memory = memory_estimate(problem, "condensed")
+    """The solver that costs least once it is there."""
+    memory = memory_estimate(problem, "condensed", is_kept=True)
     return SolverChoice("condensed", "one factorisation of the bulk for all answers", memory)
 
 
 def _automatic(problem: Problem, free: float) -> SolverChoice:
-    """What is expected to be fastest of what fits; collective."""
+    """The solver expected to be fastest of those that fit; collective."""
 
     def choice(name: Name, reason: str) -> SolverChoice:
         return SolverChoice(name, reason, memory_estimate(problem, name))
@@ -257,11 +298,11 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
         return condensed
     if cannot_be_carried(problem):
         return condensed
-    if condensed.memory > free:
-        return choice("iterative", "a factorisation would not fit into memory")
-    # Multigrid takes ever more cycles for bodies that contacts alone hold.
+    # Multigrid takes ever more cycles for bodies that contacts alone hold: rather none than no end.
     if is_part_free(problem).any():
         return choice("condensed", "one factorisation of bodies that contacts alone hold")
+    if condensed.memory > free:
+        return choice("iterative", "a factorisation would not fit into memory")
     # Each further step costs the iterative solver about half of the first, the other nothing.
     steps = 0.5 + 0.5 * len(problem.scene.load_steps.all_times)
     large = _LARGE_PAIR if problem.between_bodies else _LARGE_CONTACT
@@ -286,7 +327,7 @@ Condense = Callable[[Problem, Timings], CondensedBody | None]
 def create_system(
     problem: Problem, choice: SolverChoice, timings: Timings, condense: Condense | None = None
 ) -> System:
-    """What Newton's method is to solve; collective.
+    """The system that Newton's method is to solve; collective.
 
     Args:
         problem: The problem.
@@ -295,5 +336,11 @@ def create_system(
         condense: Gives the body condensed, if one is kept for several problems.
     """
     if choice.name == "condensed":
-        return CondensedSystem(problem, timings, condense and condense(problem, timings))
+        body = condense and condense(problem, timings)
+        near = near_nodes(problem) if body is None else []
+        return (
+            NearSystem(problem, timings, near)
+            if any(near)
+            else CondensedSystem(problem, timings, body)
+        )
     return {"full": FullSystem, "iterative": IterativeSystem}[choice.name](problem, timings)

@@ -1,10 +1,13 @@
-"""Where in a body strains are looked at, and what of them a finer mesh does not change.
+"""Strains and rotations inside the cells, and the zones of a body in which they are looked at.
+
+What linear theory takes to be small are the parts of the displacement gradient H = ∇u, from arrays
+alone. Nothing is compiled for it, and no form is assembled: runs are short beside that.
 
 Strains of linear theory are unbounded at the edge of a punch, at the end of a support and in
-corners. A finer mesh shows larger ones there, in fewer cells. So a value counts that is exceeded
-in more than a small share of a zone: what is left out has a fixed volume, whatever the mesh. The
-zones are the body's parts and its materials, and what lies near each surface that is touched,
-loaded or held, so that the share is one of the size of what strains the body there.
+corners. A finer mesh shows larger ones there, in fewer cells. So a value counts that is exceeded in
+more than a small share of a zone: what is left out has a fixed volume, whatever the mesh. The zones
+are the body's parts and its materials, and what lies near each surface that is touched, loaded or
+held, so that the share is one of the size of what strains the body there.
 """
 
 from __future__ import annotations
@@ -13,8 +16,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from mpi4py import MPI
+from dolfinx import fem
+from scipy.sparse import csr_matrix
+from ufl.core.expr import Expr
 
+from fenics_contact.body.elasticity import Law
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, total
@@ -22,15 +29,169 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
-from fenics_contact.trust.displacement_gradient import CellPoints
 
-# Share of a zone's volume that is left out of strains and rotations. A surface of length L in the
-# plane has a zone of 2.6 L², so that what is within .09 L of both its ends is left out: under a
-# punch the pressure E* d/(π √(a² − x²)) is there 1.75 times that of the middle.
-LEFT_OUT = 1e-2
-# Share of it that may be turned inside out, for strains without bound reach 1: in this pressure
-# within (d/a)²/20 of the edge, over a. A layer under a contact has more.
-TURNED = 1e-3
+# Strains below this are far from any limit: their norm, which is no less, stands for them.
+_SMALL = 0.01
+# No gradient of a norm below 1 turns anything inside out.
+_MAY_TURN = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Deformation:
+    """Deformation by a displacement at points of this rank's own cells.
+
+    Attributes:
+        strain: Largest principal strain by size, (points,).
+        rotation: Angle by which the material turns, |curl u|/2, (points,) (radian).
+        turned: Where it is turned inside out, (points,): det(I + ∇u) ≤ 0, or a line of it is
+            shortened to nothing, by a principal strain ≤ −1; also what is not a number.
+        displacement: (points, components) (length).
+    """
+
+    strain: Array
+    rotation: Array
+    turned: Flags
+    displacement: Array
+
+
+class CellPoints:
+    """Points inside this rank's own cells, a few in each.
+
+    Attributes:
+        volumes: That each stands for, of the model's own dimension and undeformed, (points,).
+        positions: Undeformed, (points, 3) (length).
+        cells: The cell of each.
+
+    Args:
+        spaces: Those of the body.
+        law: Hooke's law, for the strain across the thickness.
+    """
+
+    def __init__(self, spaces: Spaces, law: Law) -> None:
+        mesh = spaces.body.mesh
+        self._spaces = spaces
+        self._count = mesh.topology.index_map(spaces.body.dimension).size_local
+        # Where strains are most accurate: the middle, with degree 2 Gauss' points.
+        reference, weights = compat.quadrature_rule(mesh, spaces.degree)
+        self._nodes = spaces.displacement_space.dofmap.list[: self._count]
+        element = spaces.displacement_space.ufl_element().sub_elements[0]
+        geometry = mesh.ufl_domain().ufl_coordinate_element().sub_elements[0]
+        corners = mesh.geometry.x[compat.geometry_nodes(mesh)[: self._count]]
+        positions, slopes = _evaluated(geometry.tabulate(1, reference), corners)
+        self.positions = positions.reshape(-1, 3)
+        jacobians = slopes[:, :, : spaces.components]
+        self._values, self._slopes = self._operators(element.tabulate(1, reference), jacobians)
+        self.volumes = (np.abs(np.linalg.det(jacobians)) * weights).reshape(-1)
+        self.cells = np.repeat(np.arange(self._count), len(weights))
+        self._thickness_law = None
+        if spaces.kinematics == "plane stress":
+            self._thickness_law = law.with_values(lambda given: self._value_of(given, reference))
+
+    def _operators(self, table: Array, jacobians: Array) -> tuple[csr_matrix, csr_matrix]:
+        """Return the matrices from nodal values to those at the points, and to their derivatives.
+
+        Args:
+            table: Of shape functions, then of their derivatives, (1 + dimension, points, nodes, 1).
+            jacobians: (cells, points, components, dimension).
+
+        Returns:
+            (points, nodes), and by components (components × points, nodes).
+        """
+        _, points, nodes = table.shape[:3]
+        table = table.reshape(-1, points, nodes)
+        cells, size = self._count, self._spaces.components
+        columns = np.broadcast_to(self._nodes[:, None], (cells, points, nodes)).ravel()
+        slopes = np.einsum("kpn,cpkj->jcpn", table[1:], np.linalg.inv(jacobians))
+        values = np.broadcast_to(table[0], (cells, points, nodes)).ravel()
+        count, width = cells * points, len(self._spaces.coordinates)
+        first = np.arange(size * count + 1) * nodes
+        return (
+            csr_matrix((values, columns, first[: count + 1]), shape=(count, width)),
+            csr_matrix(
+                (slopes.ravel(), np.tile(columns, size), first), shape=(size * count, width)
+            ),
+        )
+
+    def deformation(self, displacement: Array) -> Deformation:
+        """Return the deformation by a displacement at this rank's nodes, (nodes, components)."""
+        size = self._spaces.components
+        moved = self._values @ displacement
+        gradient = (self._slopes @ displacement).reshape(size, -1, size)  # (by, points, of)
+        rows = np.array([[gradient[j, :, i] for j in range(size)] for i in range(size)])
+        out_of_plane = self._out_of_plane(rows, moved)
+        symmetric = 0.5 * (rows + rows.swapaxes(0, 1))
+        strains = np.einsum("ijp,ijp->p", symmetric, symmetric) + out_of_plane**2
+        rotations = np.einsum("ijp,ijp->p", rows - symmetric, rows - symmetric)
+        strain, least = _principal(symmetric, out_of_plane, np.sqrt(strains))
+        turned = ~(least > -1)
+        may_turn = ~(strains + rotations < _MAY_TURN**2)
+        with np.errstate(invalid="ignore"):  # what is not a number counts as turned
+            whole = _in_space(rows[:, :, may_turn], out_of_plane[may_turn])
+            turned[may_turn] |= ~(np.linalg.det(np.eye(3) + whole) > 0)
+        return Deformation(strain, np.sqrt(0.5 * rotations), turned, moved)
+
+    def _out_of_plane(self, gradient: Array, moved: Array) -> Array:
+        """u_r/r around the axis of revolution, and what makes plane stress; (points,)."""
+        if self._spaces.kinematics == "axisymmetric":
+            return np.asarray(moved[:, 0] / self.positions[:, 0])
+        if self._thickness_law is not None:
+            shear = 0.5 * (gradient[0, 1] + gradient[1, 0])
+            law = self._thickness_law
+            return np.asarray(law.thickness_strain(gradient[0, 0], gradient[1, 1], shear))
+        return np.zeros(len(moved))
+
+    def _value_of(self, coefficient: Expr | float, reference: Array) -> Array | float:
+        """Return the values of a material's coefficient at the points."""
+        if isinstance(coefficient, fem.Function):
+            space = coefficient.function_space
+            table = space.ufl_element().tabulate(0, reference)[0]
+            nodal = coefficient.x.array[space.dofmap.list[: self._count]]
+            return np.asarray(nodal @ table.T).reshape(-1)
+        return float(coefficient.value) if isinstance(coefficient, fem.Constant) else coefficient
+
+
+def _evaluated(table: Array, nodal: Array) -> tuple[Array, Array]:
+    """Functions and their derivatives by reference coordinates, at the points of each cell.
+
+    Args:
+        table: Of shape functions, then of their derivatives, (1 + dimension, points, nodes, 1).
+        nodal: (cells, nodes, components).
+
+    Returns:
+        (cells, points, components), and (cells, points, components, dimension).
+    """
+    derivatives, points, nodes = table.shape[:3]
+    cells, _, components = nodal.shape
+    columns = table.reshape(-1, nodes).T
+    found = nodal.swapaxes(1, 2).reshape(-1, nodes) @ columns  # one product for all cells
+    found = found.reshape(cells, components, derivatives, points).transpose(0, 3, 1, 2)
+    return found[..., 0], found[..., 1:]
+
+
+def _principal(strain: Array, out_of_plane: Array, norms: Array) -> tuple[Array, Array]:
+    """Largest principal strain by size, and the least, (points,) each.
+
+    Args:
+        strain: In the plane or in space, (components, components, points).
+        out_of_plane: Across a plane, (points,).
+        norms: Of all of it, (points,).
+    """
+    largest, least = norms, -norms
+    counts = largest > _SMALL
+    values = np.linalg.eigvalsh(_in_space(strain[:, :, counts], out_of_plane[counts]))
+    largest[counts] = np.abs(values).max(axis=1)
+    least[counts] = values[:, 0]
+    return largest, least
+
+
+def _in_space(rows: Array, out_of_plane: Array) -> Array:
+    """(components, components, points) with what is out of plane as (points, 3, 3)."""
+    size = len(rows)
+    found = np.zeros((rows.shape[2], 3, 3))
+    found[:, :size, :size] = rows.transpose(2, 0, 1)
+    if size == 2:
+        found[:, 2, 2] = out_of_plane
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,39 +319,3 @@ def _touching(contact: ContactSurface, state: ContactState) -> tuple[Array, floa
     )
     area = float((pieces.areas * share).sum()) / covered
     return contact.trace.coordinates[closed & contact.trace.owned], area
-
-
-_LARGEST = int(np.float64(np.inf).view(np.int64))
-
-
-def exceeded(comm: MPI.Comm, zone: Zone, values: Array) -> float:
-    """The largest value that more than the share of a zone exceeds or has; collective.
-
-    Args:
-        comm: Communicator.
-        zone: On whose points.
-        values: At all cell points of this rank, ≥ 0, (points,).
-
-    Returns:
-        It, the same on any number of ranks; infinite where values are not numbers.
-    """
-    left_out = LEFT_OUT * zone.volume
-    found = np.nan_to_num(values[zone.points], nan=np.inf, posinf=np.inf)
-    order = np.argsort(found)
-    ordered = found[order]
-    # Of what begins at each place: the volume up to the end.
-    volumes = np.append(np.cumsum(zone.volumes[order][::-1])[::-1], 0.0)
-    low, high = 0, _LARGEST  # as integers, floating-point numbers >= 0 have the same order
-    while low < high:
-        middle = (low + high + 1) // 2
-        at_least = volumes[np.searchsorted(ordered, np.int64(middle).view(np.float64))]
-        if total(comm, at_least) > left_out:
-            low = middle
-        else:
-            high = middle - 1
-    return float(np.int64(low).view(np.float64))
-
-
-def share(comm: MPI.Comm, zone: Zone, flags: Flags) -> float:
-    """Return the share of a zone's volume at points with a flag; collective."""
-    return float(total(comm, zone.volumes[flags[zone.points]].sum())) / zone.volume

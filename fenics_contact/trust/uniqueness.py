@@ -33,9 +33,9 @@ from fenics_contact.results.records.contacts import BranchContact
 from fenics_contact.results.records.steps import BranchRecord
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.branches import other_solutions
-from fenics_contact.trust.checks.run_checks import run_checks
+from fenics_contact.trust.run_checks import run_checks
 
 # Points at the most; of more, those that touch.
 _MOST = 1500
@@ -210,11 +210,7 @@ class OtherAnswers:
 
 
 def search_other_solutions(load_steps: LoadSteps) -> OtherAnswers:
-    """Estimate limits of uniqueness, and look for other answers if the scene asks; collective.
-
-    Args:
-        load_steps: At their end.
-    """
+    """Estimate limits of uniqueness, and look for other answers if the scene asks; collective."""
     problem, system = load_steps.problem, load_steps.newton.system
     if problem.inertia.moves:  # masses decide where bodies go
         return OtherAnswers()

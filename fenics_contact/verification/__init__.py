@@ -4,30 +4,31 @@ A module of cases ends with tuples of them; the one below lists them all.
 """
 
 from fenics_contact.verification.case import Case, Finding, Outcome
-from fenics_contact.verification.fretting import FRETTING_CASES
-from fenics_contact.verification.laws.friction_bounds import (
+from fenics_contact.verification.memory_check import MEMORY_CASES
+from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
+from fenics_contact.verification.published.cycle import CYCLE_CASES, WEAR_CASES, WEAR_LIMIT_CASES
+from fenics_contact.verification.published.fretting import FRETTING_CASES
+from fenics_contact.verification.published.friction import FRICTION_CASES, INCLINE_CASES
+from fenics_contact.verification.published.friction_bounds import (
     BY_PRESSURE_CASES,
     MICRO_SLIP_CASES,
     SLIP_WEAKENING_CASES,
 )
-from fenics_contact.verification.laws.torque import (
+from fenics_contact.verification.published.hertz_pair import (
+    HERTZ_PAIR_CASES,
+    NONLOCAL_FRICTION_CASES,
+)
+from fenics_contact.verification.published.indenters import LINE_CASES, POINT_CASES, PUNCH_CASES
+from fenics_contact.verification.published.pair import PAIR_CASES, PAIR_WAYS_CASES
+from fenics_contact.verification.published.rotors import ROTOR_CASES, SHAFT_TORQUE_CASES
+from fenics_contact.verification.published.shear import SHEAR_CASES, SLAB_CASES
+from fenics_contact.verification.published.sliding import MOTION_CASES, SQUEAL_CASES
+from fenics_contact.verification.published.torque import (
     COMPLIANCE_CASES,
     ORTHOTROPIC_CASES,
     TORQUE_CASES,
 )
-from fenics_contact.verification.laws.wear import WEAR_CASES, WEAR_LIMIT_CASES
-from fenics_contact.verification.memory.check import MEMORY_CASES
-from fenics_contact.verification.motion import MOTION_CASES
-from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
-from fenics_contact.verification.published.cycle import CYCLE_CASES
-from fenics_contact.verification.published.friction import FRICTION_CASES, INCLINE_CASES
-from fenics_contact.verification.published.hertz_pair import HERTZ_PAIR_CASES
-from fenics_contact.verification.published.indenters import LINE_CASES, POINT_CASES, PUNCH_CASES
-from fenics_contact.verification.published.nonlocal_friction import NONLOCAL_FRICTION_CASES
-from fenics_contact.verification.published.pair import PAIR_CASES, PAIR_WAYS_CASES
-from fenics_contact.verification.published.shear import SHEAR_CASES, SLAB_CASES
-from fenics_contact.verification.sliding import SQUEAL_CASES
-from fenics_contact.verification.vibration import DAMPING_CASES, MODES_CASES
+from fenics_contact.verification.published.vibration import DAMPING_CASES, MODES_CASES
 
 CASES: tuple[Case, ...] = (
     *SLAB_CASES,
@@ -50,6 +51,8 @@ CASES: tuple[Case, ...] = (
     *MICRO_SLIP_CASES,
     *ORTHOTROPIC_CASES,
     *TORQUE_CASES,
+    *SHAFT_TORQUE_CASES,
+    *ROTOR_CASES,
     *WEAR_CASES,
     *WEAR_LIMIT_CASES,
     *FRETTING_CASES,

@@ -19,7 +19,8 @@ from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.results.result import Result
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Load, Support
+from fenics_contact.scene.loading.conditions import Load
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.scene import MeshSource, Scene
 from fenics_contact.scene.values import AxisName, Value
 from fenics_contact.simulation.scene_run import Run

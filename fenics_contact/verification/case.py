@@ -13,7 +13,7 @@ import numpy as np
 
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.mesh.tagged_mesh import Body
-from fenics_contact.results.records.model import Model
+from fenics_contact.results.records.run import Model
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.runs import run

@@ -17,7 +17,6 @@ from fenics_contact import (
     Body,
     Contact,
     Discretisation,
-    InputError,
     Load,
     Material,
     MeshSource,
@@ -36,8 +35,9 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.rigid_motions import RigidMotions, apart, rigid_fields
 from fenics_contact.results.result import Check
-from fenics_contact.trust.checks.comparison import nearer_to_failing
-from fenics_contact.trust.checks.resultants import equilibrium
+from fenics_contact.trust.comparison import nearer_to_failing
+from fenics_contact.trust.resultant_checks import equilibrium
+from tests.messages import refused
 from tests.scenes import SLAB
 from tests.wrong_answers import with_body
 
@@ -184,7 +184,7 @@ def test_numbers_of_unnamed_groups_take_the_name_too(folder):
     facets = body.entities(body.group("upper.3", "on"))
     heights = compute_midpoints(body.mesh, 1, facets)[:, 1]
     assert COMM.allreduce(len(heights)) > 0 and (heights == 2).all()
-    with pytest.raises(InputError, match=r"there are: .*, lower\.1 at .*, upper\.1 at .*upper\.4"):
+    with refused("no_group_3_of_several_meshes"):
         body.group("3", "load[0].on")
 
 
@@ -194,63 +194,52 @@ def test_one_mesh_keeps_the_names_of_its_groups(folder):
     assert set(body.groups) == {"upper", "body", "bottom", "right", "top"}
     named = load_body(dataclasses.replace(upper, name="body"), 2, COMM)
     assert set(named.groups) == {"body", "bottom", "right", "top"}
-    with pytest.raises(InputError, match=r"mesh.name = 'top': a group of '.*u.geo' has that name"):
+    with refused("mesh_name_is_a_group"):
         load_body(dataclasses.replace(upper, name="top"), 2, COMM)
 
 
 def test_names_that_do_not_tell_meshes_apart_are_refused(folder):
     upper, lower = two(folder)
     for wrong, message in (
-        ("", r"mesh\[1\].name is missing"),
-        ("upper", "two meshes are called 'upper': give each its own name"),
+        ("", "mesh_name_is_missing"),
+        ("upper", "two_meshes_of_one_name"),
     ):
-        with pytest.raises(ValueError, match=message):
+        with refused(message, ValueError):
             scene_of((upper, dataclasses.replace(lower, name=wrong)), ("upper", "lower"))
-    with pytest.raises(ValueError, match=r"name = 'a.b' must not contain a '\.'"):
+    with refused("mesh_name_has_a_dot", ValueError):
         MeshSource("a.geo", name="a.b")
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (
-            {"cell": "quadrilateral"},
-            r"mesh\[1\].* type triangle of order 1, but .*mesh\[0\].* quadr",
-        ),
-        (
-            {"order": 2},
-            r"mesh\[1\].file = '.*l.geo': .* order 1, but .*'.*u.geo' .* of order 2; all",
-        ),
-        ({"file": "nowhere.geo"}, r"mesh\[0\].file = 'nowhere.geo': there is no such file"),
-        ({"parameters": {"n": 1}}, r"mesh\[0\].parameters.n = 1: .* no such constant"),
-        ({"groups": {"side": (9,)}}, r"mesh\[0\].groups.side: mesh\[0\].file = .* has no curve 9"),
-        ({"groups": {"top": (1,)}}, r"mesh\[0\].groups.top: .* has a group of that name already"),
+        ({"cell": "quadrilateral"}, "meshes_of_different_cells"),
+        ({"order": 2}, "meshes_of_different_order"),
+        ({"file": "nowhere.geo"}, "no_mesh_file_nowhere"),
+        ({"parameters": {"n": 1}}, "no_such_constant_of_one_mesh"),
+        ({"groups": {"side": (9,)}}, "no_curve_9"),
+        ({"groups": {"top": (1,)}}, "group_is_there_already"),
     ],
 )
 def test_what_is_wrong_with_one_of_the_meshes(folder, change, message):
-    with pytest.raises(InputError, match=message) as error:
+    with refused(message):
         load_body(two(folder, **change), 2, COMM)
-    assert "\n" not in str(error.value)
 
 
 def test_a_script_that_is_refused_is_named_by_its_mesh(folder):
     upper, lower = two(folder)
     bad = MeshSource(write(folder, "b.geo", 'SystemCall "ls";'), name="bad")
-    with pytest.raises(
-        InputError, match=r"^mesh\[2\].file: .*b.geo, line 1: 'SystemCall' is no statement"
-    ):
+    with refused("statement_of_third_mesh_refused"):
         load_body((upper, lower, bad), 2, COMM)
 
 
 def test_group_of_another_mesh_or_without_its_mesh(folder):
     upper, lower = two(folder)
     scene = scene_of((upper, lower), ("upper", "lower"))
-    for wrong in ("bottom", "lower.left"):
-        with pytest.raises(
-            InputError, match=rf"support\[0\].on = '{wrong}': .*u.geo and .*l.geo\b"
-        ):
+    for wrong, said in (("bottom", "no_group_bottom"), ("lower.left", "no_group_left_of_lower")):
+        with refused(said):
             Run(dataclasses.replace(scene, support=(Support(wrong, {"x": 0}),)), COMM)
-    with pytest.raises(InputError, match="some cells of the body have none"):
+    with refused("cells_without_material"):
         Run(dataclasses.replace(scene, material=scene.material[:1]), COMM)
 
 
@@ -370,8 +359,8 @@ def test_free_motions_are_those_of_each_body(folder):
 @pytest.mark.parametrize(
     ("supports", "motion"),
     [
-        (("upper", "x"), r"\(translation along y of 'upper'\), which the loads push"),
-        (("lower", "y"), r"\(translation along x of 'lower'\), which the loads push"),
+        (("upper", "x"), "translation along y of 'upper'"),
+        (("lower", "y"), "translation along x of 'lower'"),
     ],
 )
 def test_a_body_that_nothing_holds_is_named(folder, supports, motion):
@@ -381,7 +370,7 @@ def test_a_body_that_nothing_holds_is_named(folder, supports, motion):
     # All of the body along one axis: no rotation is left.
     loose = (*loose, Support(name, {axis: 0}))
     push = Load(f"{name}.right", traction=(1, 1))
-    with pytest.raises(NoEquilibriumError, match=motion):
+    with refused("motion_is_pushed", NoEquilibriumError, motion=motion):
         Run(dataclasses.replace(scene, support=loose, load=(push,)), COMM)
 
 
@@ -412,8 +401,8 @@ def test_friction_of_one_body_does_not_hold_the_other(folder):
     assert result.passed
     found = [contact["quantities"]["friction_force"][0] for contact in result.contacts]
     assert found == pytest.approx([-1.8, 0], abs=1e-8)
-    message = r"\(translation along x of 'lower'\), and the loads are 1.1 times"
-    with pytest.raises(NoEquilibriumError, match=message):
+    said = {"motion": "translation along x of 'lower'", "share": "1.1"}
+    with refused("loads_exceed_friction", NoEquilibriumError, **said):
         Run(slabs(folder, -0.2, 2.2), COMM)
 
 

@@ -8,6 +8,7 @@ from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import Discretisation, InputError, Load, Material, Run, Scene, Support, run
+from tests.messages import refused
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -94,18 +95,18 @@ def test_isotropic_as_a_tensor_and_as_two_numbers():
 def test_tensor_without_its_symmetries_is_refused():
     tensor = np.zeros((3, 3, 3, 3))
     tensor[0, 1, 0, 1] = 1.0
-    with pytest.raises(ValueError, match="must equal E_jikl"):
+    with refused("stiffness_lacks_minor_symmetry", ValueError):
         Material(stiffness=tensor)
     skew = ORTHOTROPIC.copy()
     skew[0, 1] *= 1.1
-    with pytest.raises(InputError, match="must be symmetric"):
+    with refused("stiffness_not_symmetric"):
         Run(pulled("3D", Material(stiffness=skew)), COMM, box("3D"))
 
 
 def test_tensor_that_is_not_elliptic_is_refused():
     soft = ORTHOTROPIC.copy()
     soft[5, 5] = -1.0
-    with pytest.raises(InputError, match="positive definite, its least eigenvalue is -2"):
+    with refused("stiffness_not_positive_definite"):
         Run(pulled("3D", Material(stiffness=soft)), COMM, box("3D"))
 
 
@@ -113,7 +114,7 @@ def test_tensor_that_is_not_elliptic_is_refused():
 def test_tensor_that_warps_out_of_plane_is_refused_in_plane_models(kinematics):
     warping = ORTHOTROPIC.copy()
     warping[4, 0] = warping[0, 4] = 20.0
-    with pytest.raises(InputError, match="couples in-plane with out-of-plane shear"):
+    with refused("stiffness_couples_shears"):
         Run(pulled(kinematics, Material(stiffness=warping)), COMM, box(kinematics))
     assert run(pulled("3D", Material(stiffness=warping)), COMM, box("3D")).converged
 
@@ -121,15 +122,15 @@ def test_tensor_that_warps_out_of_plane_is_refused_in_plane_models(kinematics):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({}, "youngs_modulus is missing"),
-        ({"youngs_modulus": 1.0}, "poissons_ratio is missing"),
-        ({"youngs_modulus": 1.0, "poissons_ratio": 0.5}, "between -1 and 0.5"),
-        ({"youngs_modulus": 1.0, "stiffness": np.eye(6)}, "give either"),
-        ({"stiffness": np.eye(5)}, "at least 6"),
+        ({}, "youngs_modulus_is_missing"),
+        ({"youngs_modulus": 1.0}, "poissons_ratio_is_missing"),
+        ({"youngs_modulus": 1.0, "poissons_ratio": 0.5}, "poissons_ratio_is_a_half"),
+        ({"youngs_modulus": 1.0, "stiffness": np.eye(6)}, "moduli_and_stiffness"),
+        ({"stiffness": np.eye(5)}, "stiffness_too_small_a_matrix"),
     ],
 )
 def test_material_that_is_not_one(arguments, message):
-    with pytest.raises(ValueError, match=message):
+    with refused(message, ValueError):
         Material(**arguments)
 
 
@@ -167,16 +168,16 @@ def test_two_materials_in_series(as_tensor):
 @pytest.mark.parametrize(
     ("materials", "message"),
     [
-        ((Material(1, 0, on="left"),), "some cells of the body have none"),
-        ((Material(1, 0), Material(1, 0, on="left")), "shares cells with another material"),
-        ((Material(1, 0, on="x0"),), "must be a part of the body"),
-        ((Material(1, 0, on="centre"),), "no such physical group"),
-        ((Material(lambda x: x[0] - 1, 0),), "smallest value is"),
-        ((Material(1, lambda x: x[0]),), "must lie between"),
+        ((Material(1, 0, on="left"),), "cells_without_material"),
+        ((Material(1, 0), Material(1, 0, on="left")), "material_shares_cells"),
+        ((Material(1, 0, on="x0"),), "material_of_a_side"),
+        ((Material(1, 0, on="centre"),), "material_of_no_group"),
+        ((Material(lambda x: x[0] - 1, 0),), "youngs_modulus_is_negative_somewhere"),
+        ((Material(1, lambda x: x[0]),), "poissons_ratio_out_of_range_somewhere"),
     ],
 )
 def test_materials_must_fill_the_body_once(materials, message):
-    with pytest.raises(InputError, match=message):
+    with refused(message):
         Run(pulled("plane stress", materials), COMM, bimaterial())
 
 
@@ -209,13 +210,13 @@ def test_thickness_scales_forces_and_may_vary():
     result = run(taper, COMM, box_body((8, 2), (2, 1)))
     expected = (P * 1.02) ** 2 / (2 * 100) * np.log(1.02) / 0.01
     assert result.quantities["strain_energy"] == pytest.approx(expected, rel=1e-4)
-    with pytest.raises(InputError, match="thickness: its smallest value is -1"):
+    with refused("thickness_is_negative_somewhere"):
         run(
             pulled("plane stress", Material(100, 0), thickness=lambda x: x[0] - 1),
             COMM,
             box("plane stress"),
         )
-    with pytest.raises(ValueError, match="thickness is for plane stress"):
+    with refused("thickness_in_plane_strain", ValueError):
         pulled("plane strain", Material(100, 0), thickness=2.0)
 
 
@@ -251,13 +252,13 @@ def test_nearly_incompressible_tensors_are_refused():
     shear = young / (2 * (1 + poisson))
     lame = 2 * shear * poisson / (1 - 2 * poisson)
     tensor = lame * np.pad(np.ones((3, 3)), (0, 3)) + shear * np.diag([2, 2, 2, 1, 1, 1])
-    with pytest.raises(InputError, match="nearly incompressible"):
+    with refused("stiffness_nearly_incompressible"):
         Run(pulled("plane strain", Material(stiffness=tensor)), COMM, box("plane strain"))
     beside = (
         Material(1, 0.4999, on="left"),
         Material(stiffness=np.diag([1, 1, 1, 0.5, 0.5, 0.5]), on="right"),
     )
-    with pytest.raises(InputError, match="nearly incompressible"):
+    with refused("stiffness_nearly_incompressible"):
         Run(pulled("plane strain", beside), COMM, bimaterial())
     # stiff fibres are not incompressible
     fibres = np.diag([500.0, 1, 1, 0.5, 0.5, 0.5])
@@ -274,5 +275,5 @@ def test_small_asymmetry_of_a_soft_tensor_is_seen_beside_a_stiff_material():
     soft = np.diag([1.0, 1, 1, 0.5, 0.5, 0.5])
     soft[0, 1] = 0.5
     materials = (Material(1e12, 0.3, on="left"), Material(stiffness=soft, on="right"))
-    with pytest.raises(InputError, match="must be symmetric"):
+    with refused("stiffness_not_symmetric"):
         Run(pulled("plane strain", materials), COMM, bimaterial())

@@ -10,7 +10,6 @@ from mpi4py import MPI
 from fenics_contact import (
     Contact,
     Discretisation,
-    InputError,
     Load,
     Material,
     MeshSource,
@@ -22,6 +21,7 @@ from fenics_contact import (
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.probe_points import DisplacementPoints
 from fenics_contact.body.spaces import Spaces
+from tests.messages import refused
 from tests.scenes import ROOT, box_body
 
 COMM = MPI.COMM_WORLD
@@ -134,25 +134,22 @@ def test_where_two_bodies_touch_the_point_is_of_the_first_mesh():
 @pytest.mark.parametrize("at", [(1.1, 0.5), (0.5, -0.01), (5.0, 5.0)])
 def test_a_point_outside_is_refused_in_one_sentence(at):
     body = box_body((4, 3), (1, 0.8))
-    with pytest.raises(InputError) as caught:
+    with refused("point_is_outside", at=list(at)):
         Run(linear_scene(2, 2, [(0.5, 0.5), at]), COMM, body)
-    assert str(caught.value) == (
-        f"point[1].at = {list(at)}: is outside the body, which reaches from (0, 0) to (1, 0.8)"
-    )
 
 
 @pytest.mark.parametrize(
     ("points", "message"),
     [
-        ((Point("a", (0.0, 0.0, 0.0)),), "point[0].at has 3 entries; a plane strain model needs 2"),
-        ((Point("a", (0, 0.0)), Point("a", (1.0, 0.0))), "two points are called 'a'"),
+        ((Point("a", (0.0, 0.0, 0.0)),), "point_has_3_entries"),
+        ((Point("a", (0, 0.0)), Point("a", (1.0, 0.0))), "two_points_of_one_name"),
     ],
 )
 def test_points_that_make_no_sense_are_refused(points, message):
     scene = linear_scene(2, 1, [])
-    with pytest.raises(ValueError, match=message.replace("[", r"\[")):
+    with refused(message, ValueError):
         dataclasses.replace(scene, point=points)
-    with pytest.raises(ValueError, match="may have only letters"):
+    with refused("point_name_has_a_comma", ValueError):
         Point("a,b", (0.0, 0.0))
 
 
@@ -169,9 +166,9 @@ def test_as_many_points_as_one_likes():
 
 
 def test_steps_have_it_too(tmp_path):
-    from fenics_contact.simulation.output import step_table
+    from fenics_contact.simulation.output.tables import row_of
 
     run = Run(linear_scene(2, 1, [(0.3, 0.3)]), COMM, box_body((4, 3), (1, 0.8)))
     result = run.solve()
-    row = step_table.row_of(result.steps[0])
+    row = row_of(result.steps[0])
     assert row["displacement_p0_x"] == result.quantities["displacement_p0"][0]

@@ -20,20 +20,18 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.report.bodies.view import choose_view
+from fenics_contact.report.bodies.view_3d import make_view
 from fenics_contact.report.contacts.curves import draw_curves
 from fenics_contact.report.contacts.maps import draw_maps
-from fenics_contact.report.drawing.field_files import whole_body
-from fenics_contact.report.drawing.fields import read_series
+from fenics_contact.report.drawing.fields import read_series, whole_body
 from fenics_contact.report.drawing.figures import style
-from fenics_contact.report.histories.load_steps import draw_history
+from fenics_contact.report.load_steps import draw_history
 from fenics_contact.report.page.page import Content, page
+from fenics_contact.report.page.view_page import ContactSteps, followers, slider_html, view_html
 from fenics_contact.report.report import write_report
 from fenics_contact.report.run_to_draw import axes_of
-from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
-from fenics_contact.report.view.view_3d import make_view
-from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.contact_points import ContactTable
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.verification.boxes import Box, boxes
 from tests.browser.conftest import WINDOW

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fenics_contact.report.sweep.page import write_sweep_page
+from fenics_contact.report.page.sweep import write_sweep_page
 from tests.report.sweep.sweeps import COEFFICIENT, INDENTATION, disc, hertz, line, write_sweep
 
 pytestmark = pytest.mark.serial

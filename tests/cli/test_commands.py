@@ -15,7 +15,8 @@ from fenics_contact import main, run
 from fenics_contact.cli import program as cli
 from fenics_contact.scene import reading as loader
 from fenics_contact.simulation.output import run_folder as files
-from fenics_contact.simulation.output.folder_lock import FolderLock
+from fenics_contact.simulation.output.journal_file import FolderLock
+from tests.messages import says
 from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
@@ -42,26 +43,18 @@ def error_of(capsys):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("friction_coefficient", "friction_coeficient", "unknown key"),
-        ("youngs_modulus = 1000", 'youngs_modulus = "x"', "must be a number"),
-        ('on = "right"', 'on = "rihgt"', "no such physical group"),
-        ("[-300, 0]", "[-300, 0", "not valid TOML"),
-        ("youngs_modulus = 1000", "youngs_modulus = 0", "must be greater than 0"),
-        ("poissons_ratio = 0.3", "poissons_ratio = 0.5", "must lie between -1 and 0.5"),
-        ("friction_coefficient = 0.3", "friction_coefficient = -1", "must be ≥ 0"),
-        ("pressure = 300", "pressure = nan", "finite"),
-        ('on = "bottom"', 'on = "top"', "shares boundary with the support on 'top'"),
-        ("slab.geo", "slob.geo", "no such file"),
-        (
-            "title = ",
-            "accuracy = -1\ntitle = ",
-            "toml: accuracy = -1: must be greater than 0",
-        ),
-        (
-            "title = ",
-            "accuracy = true\ntitle = ",
-            "accuracy: must be a number, as in accuracy =",
-        ),
+        ("friction_coefficient", "friction_coeficient", "unknown_key_coeficient"),
+        ("youngs_modulus = 1000", 'youngs_modulus = "x"', "youngs_modulus_is_x"),
+        ('on = "right"', 'on = "rihgt"', "no_group_rihgt"),
+        ("[-300, 0]", "[-300, 0", "toml_list_has_no_end_in_line_28"),
+        ("youngs_modulus = 1000", "youngs_modulus = 0", "youngs_modulus_is_zero"),
+        ("poissons_ratio = 0.3", "poissons_ratio = 0.5", "poissons_ratio_is_a_half_in_file"),
+        ("friction_coefficient = 0.3", "friction_coefficient = -1", "friction_is_minus_1"),
+        ("pressure = 300", "pressure = nan", "pressure_is_nan"),
+        ('on = "bottom"', 'on = "top"', "contact_shares_boundary_with_support"),
+        ("slab.geo", "slob.geo", "mesh_file_slob"),
+        ("title = ", "accuracy = -1\ntitle = ", "accuracy_is_negative"),
+        ("title = ", "accuracy = true\ntitle = ", "accuracy_is_no_number"),
     ],
 )
 def test_bad_input_is_one_sentence_exit_2_and_nothing_written(folder, capsys, old, new, message):
@@ -70,10 +63,8 @@ def test_bad_input_is_one_sentence_exit_2_and_nothing_written(folder, capsys, ol
     out = folder / "out"
     assert main(["run", write(folder, text), "--out", str(out)]) == 2
     said = error_of(capsys)
-    assert message in said
-    assert said.startswith("fenics-contact: ")
-    assert said.count("\n") == 1
-    assert "Traceback" not in said
+    says(message, said)
+    assert said.startswith("fenics-contact: ") and said.count("\n") == 1
     assert not out.exists()
 
 
@@ -81,7 +72,8 @@ def test_scene_without_equilibrium_exits_2(folder, capsys):
     text = SCENE.replace('[[support]]\non = "left"\ndisplacement = { x = 0 }', "")
     scene = write(folder, text.replace("[-300, 0]", "[-720.01, 0]"))
     assert main(["run", scene, "--out", str(folder / "out")]) == 2
-    assert "no equilibrium" in error_of(capsys)
+    motion = "translation along x"
+    says("loads_exceed_friction", error_of(capsys), motion=motion, share="1.00001")
     assert not (folder / "out").exists()
     assert main(["check", scene]) == 2
 
@@ -91,7 +83,7 @@ def test_output_folder_that_cannot_be_written(folder, capsys):
     (folder / "file").write_text("not a folder")
     COMM.barrier()
     assert main(["run", scene, "--out", str(folder / "file" / "out")]) == 2
-    assert "cannot be written to: Not a directory" in error_of(capsys)
+    says("out_is_below_a_file", error_of(capsys))
 
 
 def test_looking_whether_a_folder_can_be_written_leaves_other_runs_alone(folder, monkeypatch):
@@ -116,7 +108,7 @@ def test_output_folder_without_permission(folder, capsys):
         (folder / "closed").mkdir(mode=0o500)
     COMM.barrier()
     assert main(["run", scene, "--out", str(folder / "closed" / "out")]) == 2
-    assert "cannot be written to" in error_of(capsys)
+    says("out_is_closed", error_of(capsys))
 
 
 def test_run_writes_what_the_interface_promises(folder):
@@ -291,7 +283,7 @@ def test_pictures_that_cannot_be_drawn_do_not_spoil_the_answer(folder, capsys, m
 
     monkeypatch.setattr(report, "write_report", refuse)
     assert cli.run_script(scene, "unused", arguments=["--out", str(folder / "out")]) == 0
-    assert "no pictures: pictures need a display" in COMM.bcast(capsys.readouterr().err)
+    says("no_pictures", COMM.bcast(capsys.readouterr().err))
 
 
 def test_check_says_what_would_be_modelled_and_writes_nothing(folder, capsys):
@@ -311,9 +303,9 @@ def test_check_says_what_would_be_modelled_and_writes_nothing(folder, capsys):
 @pytest.mark.parametrize(
     ("error", "code", "words"),
     [
-        (OSError(28, "No space left on device"), 5, "No space left"),
-        (MemoryError(), 5, "out of memory"),
-        (KeyboardInterrupt(), 130, "interrupted"),
+        (OSError(28, "No space left on device"), 5, "machine_has_no_space"),
+        (MemoryError(), 5, "machine_has_no_memory"),
+        (KeyboardInterrupt(), 130, "run_is_interrupted"),
     ],
 )
 def test_machine_failure_and_interrupt(folder, capsys, monkeypatch, error, code, words):
@@ -322,12 +314,12 @@ def test_machine_failure_and_interrupt(folder, capsys, monkeypatch, error, code,
 
     monkeypatch.setattr(files, "solve_and_write", fail)
     assert main(["run", write(folder, SCENE), "--out", str(folder / "out")]) == code
-    assert words in capsys.readouterr().err
+    says(words, capsys.readouterr().err)
 
 
-def test_report_of_nothing_is_refused(folder, capsys):
+def test_result_cannot_be_read_is_refused(folder, capsys):
     assert main(["report", str(folder)]) == 2
-    assert "result.json: cannot be read" in error_of(capsys)
+    says("result_cannot_be_read", error_of(capsys))
 
 
 def test_scene_in_python_and_in_toml_agree(folder):
@@ -357,7 +349,8 @@ def test_of_two_runs_in_one_folder_the_second_is_refused(tmp_path, capsys):
     command = ["run", scene, "--out", str(out), "--quiet"]
     assert main(command) == 2
     said = error_of(capsys)
-    assert said.count("\n") == 1 and "another run, sweep or fit is at work there" in said
+    says("another_run_is_at_work", said)
+    assert said.count("\n") == 1
     assert list(out.iterdir()) == []
     first.give_up()
     assert main(command) == 0

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from fenics_contact import CycleJump, Cycles, Steps, Wear
-from fenics_contact.cli.cycle_plan import cycle_plan
+from fenics_contact.cli.summary import cycle_plan
 from tests.analyses.wear_cycles.test_cycles_of_run import scene
 from tests.simulation.cycles.test_cycles import BAR
 from tests.solve.load_steps.histories import shoved

@@ -6,6 +6,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import NotConvergedError, Study, load_scene, main, run
+from tests.messages import says
 from tests.scenes import ROOT
 
 SLAB = str(ROOT / "demos" / "slab.toml")
@@ -52,19 +53,20 @@ def test_friction_of_the_slab_is_found_and_its_files_written(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "fit: --parameters KEY[=LOW:HIGH],… is missing"),
-        (["--parameters", "contact.0.friction"], "the scene has no such key"),
-        (["--parameters", f"{FRICTION}=.4:1"], "the search begins at the scene's 0.3"),
-        (["--parameters", FRICTION, "--of", "normal_force"], "there is no column 'normal_force'"),
-        (["--parameters", PUSH], "has a column of it, so that it is known"),
-        (["--parameters", FRICTION, "--set", "accuracy=1e-2"], "accuracy: a study keeps one mesh"),
+        ([], "fit_without_parameters"),
+        (["--parameters", "contact.0.friction"], "no_parameter_friction"),
+        (["--parameters", f"{FRICTION}=.4:1"], "parameter_begins_at_the_scenes"),
+        (["--parameters", FRICTION, "--of", "normal_force"], "data_without_normal_force"),
+        (["--parameters", PUSH], "parameter_is_in_the_file"),
+        (["--parameters", FRICTION, "--set", "accuracy=1e-2"], "study_with_accuracy"),
     ],
 )
 def test_what_cannot_be_used_is_refused(tmp_path, capsys, words, said):
     data = written(tmp_path, [(-900, 180)])
     assert main(["fit", SLAB, data, *words, "--out", str(tmp_path / "out")]) == 2
     err = capsys.readouterr().err
-    assert said in err and len(err.strip().splitlines()) == 1
+    says(said, err)
+    assert len(err.strip().splitlines()) == 1
     assert not (tmp_path / "out").exists()
 
 
@@ -72,14 +74,14 @@ def test_what_cannot_be_used_is_refused(tmp_path, capsys, words, said):
 def test_a_file_that_is_not_there_is_refused(tmp_path, capsys):
     words = ["--parameters", FRICTION, "--out", str(tmp_path / "out")]
     assert main(["fit", SLAB, str(tmp_path / "none.csv"), *words]) == 2
-    assert "none.csv: cannot be read: No such file or directory" in capsys.readouterr().err
+    says("data_cannot_be_read", capsys.readouterr().err)
 
 
 @pytest.mark.skipif(MPI.COMM_WORLD.size == 1, reason="of several ranks")
 def test_several_ranks_are_refused(capsys):
     assert main(["fit", SLAB, "data.csv", "--parameters", FRICTION]) == 2
     if MPI.COMM_WORLD.rank == 0:
-        assert "fit: it runs on one rank; start it without mpirun" in capsys.readouterr().err
+        says("fit_on_several_ranks", capsys.readouterr().err)
 
 
 class Solves:
@@ -114,7 +116,7 @@ def test_an_interrupted_fit_goes_on_to_the_same_numbers(tmp_path, monkeypatch, c
     code, every = fitted(monkeypatch, whole)
     assert code == 0 and every > 4
     assert fitted(monkeypatch, out, fails_at=2) == (130, 2)
-    assert "interrupted; --resume goes on from the curves" in capsys.readouterr().err
+    says("fit_is_interrupted", capsys.readouterr().err)
     assert [path.name for path in out.iterdir()] == ["fit.journal"]
     assert fitted(monkeypatch, out, "--resume", fails_at=every - 3) == (130, every - 3)
     assert not (out / "fit.json").exists()
@@ -165,8 +167,8 @@ def test_the_journal_of_another_fit_is_refused(words, rows, differs, tmp_path, m
     assert fitted(monkeypatch, out, *words, "--resume", data=data) == (2, 0)
     err = capsys.readouterr().err
     assert len(err.strip().splitlines()) == 1
-    assert f"is of another fit: what differs is {differs}; leave --resume out" in err
+    says("resume_of_another_fit", err, differs=differs)
     assert (out / "fit.journal").read_bytes() == before
     (out / "fit.journal").write_bytes(b"nothing of the kind, but some bytes")
     assert fitted(monkeypatch, out, "--resume") == (2, 0)
-    assert "is damaged, or no journal of a fit" in capsys.readouterr().err
+    says("resume_of_a_damaged_fit", capsys.readouterr().err)

@@ -49,6 +49,49 @@ def test_where_others_say_enough_it_is_silent(monkeypatch, caplog):
     assert set(caplog.messages) == {"step"}
 
 
+def test_time_left():
+    """Work that goes evenly from when it was first told of; it begins anew where it falls."""
+    clock = [0.0]
+    left = progress.TimeLeft(lambda: clock[0])
+    for now, share, words in (
+        (0.0, None, ""),
+        (10.0, 0.2, ""),  # how long the first fifth took nobody has said
+        (10.5, 0.21, ""),  # too little is done to tell
+        (40.0, 0.6, " (about 0:30 left)"),
+        (100.0, 0.8, " (about 0:30 left)"),
+        (110.0, 1.0, ""),
+        (200.0, 0.0, ""),
+        (300.0, 0.5, " (about 1:40 left)"),
+        (310.0, None, ""),
+    ):
+        clock[0] = now
+        left.note(share)
+        assert left.words == words, now
+
+
+def test_estimates_say_how_long_they_take(monkeypatch, caplog):
+    """Load steps of a history that is solved for an estimate say nothing of the run."""
+    monkeypatch.setattr(progress, "_FIRST", 0.02)
+    monkeypatch.setattr(progress, "_LONGEST", 0.04)
+    steps = logging.getLogger("fenics_contact.solve.load_steps")
+
+    def said(words):
+        wait_for(lambda: any(words in line for line in caplog.messages))
+        assert any(words in line for line in caplog.messages), caplog.messages
+
+    with caplog.at_level(logging.INFO), progress.activity(Steps(), COMM):
+        steps.debug("  time 1 of 4", extra={"share": 0.0})
+        steps.debug("  time 3 of 4", extra={"share": 0.5})
+        said("time 3 of 4 (about 0:00 left)")
+        doing(f"{ESTIMATING} by the mesh", 0.0)
+        steps.debug("  time 1 of 4", extra={"share": 0.5})
+        said("by the mesh: time 1 of 4")
+        assert "left" not in caplog.messages[-1]
+        doing(f"{ESTIMATING} by the penalty", 0.9)
+        steps.debug("  time 2 of 4", extra={"share": 0.0})
+        said("by the penalty: time 2 of 4 (about 0:00 left)")
+
+
 def test_quiet_is_quiet(monkeypatch, caplog):
     monkeypatch.setattr(progress, "_FIRST", 0.01)
     with caplog.at_level(logging.INFO), progress.activity(Steps(), COMM, quiet=True):

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from fenics_contact.cli import versions
+from fenics_contact.cli import program
 from tests.scenes import ROOT
 
 pytestmark = pytest.mark.serial
@@ -51,13 +51,13 @@ def test_the_version_of_dolfinx_is_said_without_loading_it():
 
 def test_the_version_of_dolfinx_may_stand_elsewhere(monkeypatch):
     """Debian's package reads it from metadata; in neither place, dolfinx itself is asked."""
-    known = versions.dolfinx_version()
-    monkeypatch.setattr(versions, "_ASSIGNED", versions.re.compile("no such (line)"))
+    known = program.dolfinx_version()
+    monkeypatch.setattr(program, "_ASSIGNED", program.re.compile("no such (line)"))
     monkeypatch.setattr("importlib.metadata.version", {"fenics-dolfinx": "0.9.0"}.__getitem__)
-    assert versions.dolfinx_version() == "0.9.0"
+    assert program.dolfinx_version() == "0.9.0"
     monkeypatch.undo()
-    monkeypatch.setattr(versions, "_ASSIGNED", versions.re.compile("no such (line)"))
-    assert versions.dolfinx_version() == known
+    monkeypatch.setattr(program, "_ASSIGNED", program.re.compile("no such (line)"))
+    assert program.dolfinx_version() == known
 
 
 def test_help_loads_nothing():
@@ -66,7 +66,7 @@ def test_help_loads_nothing():
     assert not found & (FENICSX | LIBRARIES | PICTURES)
 
 
-@pytest.mark.parametrize("words", [["schema"], ["completion", "bash"]], ids=" ".join)
+@pytest.mark.parametrize("words", [["schema"], ["materials"], ["completion", "bash"]], ids=" ".join)
 def test_texts_are_printed_without_fenicsx(words):
     found, _ = loaded(f"from fenics_contact.cli.program import main; assert main({words}) == 0")
     assert not found & (FENICSX | PICTURES | {"scipy", "gmsh"})

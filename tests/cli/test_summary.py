@@ -9,6 +9,7 @@ import threading
 
 import pytest
 
+from fenics_contact import main
 from fenics_contact.common.wording import one_line
 from fenics_contact.results.contact_points import ContactTable
 from tests.scenes import ROOT
@@ -26,7 +27,35 @@ def environment(**changed):
     return plain | {"TERM": "xterm", "COLUMNS": "100", "PYTHONPATH": str(ROOT)} | changed
 
 
-def on_terminal(*arguments, **changed):
+def as_process(arguments, terminal, changed):
+    """Exit code of the command, which writes to a terminal."""
+    return subprocess.run(
+        [*COMMAND, *arguments],
+        stdin=subprocess.DEVNULL,
+        stdout=terminal,
+        stderr=terminal,
+        env=environment(**changed),
+        timeout=120,
+    ).returncode
+
+
+def here(arguments, terminal, changed):
+    """The same in this process, which takes a fraction of the time."""
+    with pytest.MonkeyPatch.context() as patch, os.fdopen(os.dup(terminal), "w") as stream:
+        for name, value in environment(**changed).items():
+            patch.setenv(name, value)
+        for name in ("NO_COLOR", "FORCE_COLOR"):
+            if name not in changed:
+                patch.delenv(name, raising=False)
+        patch.setattr(sys, "stdout", stream)
+        patch.setattr(sys, "stderr", stream)
+        try:
+            return main([*arguments])
+        except SystemExit as end:
+            return end.code
+
+
+def on_terminal(*arguments, start=as_process, **changed):
     """Exit code, and all that a terminal got."""
     mine, its = pty.openpty()
     found = []
@@ -40,14 +69,7 @@ def on_terminal(*arguments, **changed):
 
     reader = threading.Thread(target=read)
     reader.start()
-    code = subprocess.run(
-        [*COMMAND, *arguments],
-        stdin=subprocess.DEVNULL,
-        stdout=its,
-        stderr=its,
-        env=environment(**changed),
-        timeout=120,
-    ).returncode
+    code = start(arguments, its, changed)
     os.close(its)
     reader.join()
     os.close(mine)
@@ -67,8 +89,8 @@ def test_a_bar_keeps_to_its_line(tmp_path):
     """Over load steps; without colours, where these are not wanted."""
     scene = str(ROOT / "demos" / "cylinders.toml")
     coarse = ["--set", "mesh.0.parameters.size=0.15", "--set", "mesh.1.parameters.size=0.1"]
-    out = ["--out", str(tmp_path / "out")]
-    code, said = on_terminal("run", scene, *coarse, *out, COLUMNS="60", NO_COLOR="1")
+    out = ["--set", 'solver.errors="none"', "--out", str(tmp_path / "out")]
+    code, said = on_terminal("run", scene, *coarse, *out, start=here, COLUMNS="60", NO_COLOR="1")
     assert code in (0, 4) and re.search(r"step \d: time 1", said)
     for line in re.split(r"[\r\n]", said.partition(f"{ESCAPE}[?25h")[0]):
         assert len(re.sub(f"{ESCAPE}\\[[0-9;?]*[a-zA-Z]", "", line)) <= 60
@@ -76,7 +98,7 @@ def test_a_bar_keeps_to_its_line(tmp_path):
 
 
 def test_a_plain_terminal_has_lines_only(tmp_path):
-    code, said = on_terminal("run", SLAB, "--out", str(tmp_path / "out"), TERM="dumb")
+    code, said = on_terminal("run", SLAB, "--out", str(tmp_path / "out"), start=here, TERM="dumb")
     assert code == 0 and "checks of the physics passed" in said and ESCAPE not in said
     assert "Newton step 1" not in said
 
@@ -95,7 +117,10 @@ def test_a_pipe_gets_results_and_errors_apart_and_no_escape_codes(tmp_path):
     done = run("run", SLAB, "--out", str(tmp_path / "out"), "--", "-snes_montor")
     assert done.returncode == 0 and ESCAPE not in done.stdout + done.stderr
     assert "checks of the physics passed" in done.stdout
-    assert done.stderr.startswith("PETSc options that no solve asked for: -snes_montor;")
+    lines = done.stderr.splitlines()  # on a slow machine also how far it is
+    assert any(
+        one.startswith("PETSc options that no solve asked for: -snes_montor;") for one in lines
+    )
     done = run("run", "nowhere.toml")
     assert done.returncode == 2 and done.stdout == "" and done.stderr.count("\n") == 1
 
@@ -103,7 +128,7 @@ def test_a_pipe_gets_results_and_errors_apart_and_no_escape_codes(tmp_path):
 def test_help_does_not_wait_for_fenicsx():
     script = (
         "import sys\n"
-        "from fenics_contact.cli.options import parse\n"
+        "from fenics_contact.cli.program import parse\n"
         "try:\n    parse(['run', '--help'])\nfinally:\n"
         "    heavy = {'dolfinx', 'ufl', 'scipy', 'numpy', 'petsc4py'} & set(sys.modules)\n"
         "    assert not heavy, heavy\n"
@@ -162,7 +187,8 @@ def hostile_scene(folder):
 def test_names_of_files_cannot_steer_the_terminal(tmp_path, command, code):
     scene = hostile_scene(tmp_path)
     options = ["--out", str(tmp_path / "out")] if command[0] == "run" else []
-    found, said = on_terminal(command[0], scene, *command[1:], *options)
+    start = as_process if "--verbose" in command else here
+    found, said = on_terminal(command[0], scene, *command[1:], *options, start=start)
     assert found == code, said
     assert f"{ESCAPE}[2J" not in said and f"{ESCAPE}]" not in said and f"{ESCAPE}[H" not in said
     assert not STEERING.search(said)
@@ -178,8 +204,7 @@ def test_names_of_files_cannot_steer_from_tables_and_pages(tmp_path):
     text = re.sub(r"contact = \[\{ on = .*?, ", lambda _: second, text)
     (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
     for command in (["run", scene, "--out", str(out)], ["report", str(out)]):
-        done = subprocess.run([*COMMAND, *command], env=environment(), capture_output=True)
-        assert done.returncode == 0, done.stderr
+        assert main(command) == 0
     for name in ("contact.csv", "steps.csv", "report.html"):
         written = (out / name).read_text(encoding="utf-8")
         if name == "report.html":  # plotly's own script apart

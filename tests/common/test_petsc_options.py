@@ -5,10 +5,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import fenics_contact
-from fenics_contact import InputError, main
+from fenics_contact import main
 from fenics_contact.cli import program as cli
 from fenics_contact.common.petsc_options import _REFUSALS, given, is_used, parse
 from tests.cli.test_commands import SCENE, write
+from tests.messages import refused, says
 from tests.scenes import PULLED_BLOCK, box_body, with_solver
 
 COMM = MPI.COMM_WORLD
@@ -28,7 +29,7 @@ def test_words_become_options():
 
 @pytest.mark.parametrize("words", [["40"], ["-a", "1", "2"], ["-"], ["-a b"], ["-3", "4"]])
 def test_malformed_words_are_refused(words):
-    with pytest.raises(InputError, match="neither the name of one, which begins with '-'"):
+    with refused("petsc_option_malformed"):
         parse(words)
 
 
@@ -53,25 +54,25 @@ def test_every_direct_solver_takes_them(folder, capsys, solver):
     """MUMPS may not have less workspace than it foresees."""
     sets = [f"solver.solver={solver}"]
     code, _, said = run(folder, capsys, "-mat_mumps_icntl_14", "-99", sets=sets)
-    assert code == 5 and "its workspace is too small" in said
+    assert code == 5
+    says("workspace_too_small", said)
     assert run(folder, capsys, "-mat_mumps_icntl_14", "80", sets=sets) == (0, "", "")
 
 
 def test_unused_ones_are_named_once(folder, capsys):
     code, _, said = run(folder, capsys, "-snes_montor", "-bulk_pc_type", "ml", "-snes_max_it", "9")
     assert code == 0
-    assert said.startswith(
-        "PETSc options that no solve asked for: -snes_montor -bulk_pc_type ml; misspelt, "
-    )
+    says("petsc_options_unused", said)
     assert said.count("\n") == 1
 
 
 def test_values_that_petsc_refuses_are_bad_input(folder, capsys):
     code, _, said = run(folder, capsys, "-ksp_type", "nonsense")
     assert code == 2 and said.count("\n") == 1
-    assert "PETSc refused an option of -ksp_type nonsense: Unable to find requested KSP" in said
+    says("petsc_refused", said, options="-ksp_type nonsense")
     code, _, said = run(folder, capsys, "-snes_monitor", "4", "5")
-    assert code == 2 and "'5' is neither" in said
+    assert code == 2
+    says("petsc_option_malformed", said)
 
 
 @pytest.mark.parametrize("solver", ["condensed", "full"])
@@ -80,13 +81,14 @@ def test_values_that_are_read_late_are_bad_input_too(folder, capsys, solver):
     sets = [f"solver.solver={solver}"]
     code, _, said = run(folder, capsys, "-mat_mumps_icntl_14", "abc", sets=sets)
     assert code == 2 and said.count("\n") == 1
-    assert "an option of -mat_mumps_icntl_14 abc: Input string abc has no integer value" in said
+    says("petsc_refused", said, options="-mat_mumps_icntl_14 abc")
 
 
 @pytest.mark.parametrize("name", ["ksp_type", "pc_factor_mat_solver_type"])
 def test_a_package_or_method_that_is_not_there_is_bad_input(folder, capsys, name):
     code, _, said = run(folder, capsys, f"-{name}", "foo", sets=["solver.solver=full"])
-    assert code == 2 and f"PETSc refused an option of -{name} foo: " in said
+    assert code == 2
+    says("petsc_refused", said, options=f"-{name} foo")
 
 
 def test_those_of_the_environment_are_refused_likewise(folder, capsys):
@@ -97,7 +99,7 @@ def test_those_of_the_environment_are_refused_likewise(folder, capsys):
     finally:
         PETSc.Options().delValue("fenics_contact_ksp_type")
     assert code == 2 and said.count("\n") == 1
-    assert "PETSc refused an option of -ksp_type foo -snes_max_it 9: Unable to find" in said
+    says("petsc_refused", said, options="-ksp_type foo -snes_max_it 9")
 
 
 def test_other_errors_of_petsc_are_not_blamed_on_options():

@@ -26,11 +26,11 @@ from fenics_contact import (
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.cli.summary import print_result
 from fenics_contact.quantities import table
-from fenics_contact.report.histories.load_steps import draw_forces
+from fenics_contact.report.load_steps import draw_forces
 from fenics_contact.report.page.tables import quantities_table
 from fenics_contact.results.load_history import History
 from fenics_contact.scene.values import Profile
-from fenics_contact.simulation.output.step_table import row_of
+from fenics_contact.simulation.output.tables import row_of
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import ROOT, box_body
 

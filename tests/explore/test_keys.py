@@ -7,7 +7,6 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
-    InputError,
     Load,
     NormalCompliance,
     Obstacle,
@@ -20,9 +19,9 @@ from fenics_contact import (
     Units,
     load_scene,
 )
-from fenics_contact.explore.keys import moved_keys
-from fenics_contact.explore.numbers import numbers_of
-from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.explore.keys import moved_keys, numbers_of
+from fenics_contact.simulation.sensitivities.scene_values import with_changes
+from tests.messages import refused
 from tests.scenes import ROOT, box_body, slab
 
 
@@ -104,41 +103,39 @@ def test_one_material_and_one_mesh_are_named_with_and_without_their_number():
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ("contact.0.friction=0:1", "no such key (did you mean"),
-        ("contact.7.friction_coefficient=0:1", "no such key"),
-        ("contact.0.on=0:1", "is not a number in the scene, but 'top'"),
-        ("contact.0.penalty_parameter=1:2", "'contact.0.penalty_parameter' is not a number"),
-        ("contact.0=0:1", "is not a number in the scene, but a table"),
-        ("contact.0.obstacle=0:1", "has no value in the scene"),
-        ("contact.0.friction_coefficient=1:0", "the low end, 1, must be less than the high one, 0"),
-        ("contact.0.friction_coefficient=1:1", "must be less"),
-        ("contact.0.friction_coefficient=0:nan", "finite"),
-        ("contact.0.friction_coefficient=-1:1", "must be ≥ 0"),
-        ("contact.0.friction_coefficient=a:1", "are not two numbers LOW:HIGH"),
-        ("contact.0.friction_coefficient=0,1", "write it as KEY=LOW:HIGH"),
-        ("contact.0.friction_coefficient", "write it as KEY=LOW:HIGH"),
-        ("discretisation.degree=1:1.5", "whole numbers"),
+        ("contact.0.friction=0:1", "vary_friction"),
+        ("contact.7.friction_coefficient=0:1", "vary_contact_7"),
+        ("contact.0.on=0:1", "vary_a_group"),
+        ("contact.0.penalty_parameter=1:2", "vary_an_automatic_number"),
+        ("contact.0=0:1", "vary_a_table"),
+        ("contact.0.obstacle=0:1", "vary_an_empty_table"),
+        ("contact.0.friction_coefficient=1:0", "vary_from_1_to_0"),
+        ("contact.0.friction_coefficient=1:1", "vary_from_1_to_1"),
+        ("contact.0.friction_coefficient=0:nan", "vary_to_nan"),
+        ("contact.0.friction_coefficient=-1:1", "vary_from_a_negative_coefficient"),
+        ("contact.0.friction_coefficient=a:1", "vary_from_a_letter"),
+        ("contact.0.friction_coefficient=0,1", "vary_two_values"),
+        ("contact.0.friction_coefficient", "vary_without_range"),
+        ("discretisation.degree=1:1.5", "vary_degree_to_a_fraction"),
     ],
 )
 def test_a_key_or_range_that_is_none_is_refused(asked, said):
-    with pytest.raises(InputError) as error:
+    with refused(said):
         moved_keys(study(dataclasses.replace(slab(), load=(Load("right", pressure=1),))), [asked])
-    assert said in str(error.value)
-    assert "\n" not in str(error.value)
 
 
 def test_a_key_given_twice_and_python_s_ranges():
     twice = ["load.0.traction.0=-2:-1"] * 2
-    with pytest.raises(InputError, match="there twice"):
+    with refused("vary_a_key_twice"):
         moved_keys(study(slab()), twice)
     assert ranges(slab(), {"load.0.traction.0": (-2, -1)}) == {"load.0.traction.0": (-2, -1)}
-    with pytest.raises(InputError, match=r"as \(low, high\)"):
+    with refused("range_is_no_pair"):
         moved_keys(study(slab()), {"load.0.traction.0": 3})
 
 
 def test_a_scene_without_such_numbers_says_so():
     scene = dataclasses.replace(slab(), load=(), contact=())
-    with pytest.raises(InputError, match="name keys by --vary"):
+    with refused("nothing_to_vary"):
         moved_keys(Study(scene, MPI.COMM_SELF, box_body((1, 1), (1, 1))))
 
 
@@ -146,12 +143,15 @@ def test_values_of_a_request_are_in_their_range():
     (one,) = moved_keys(study(slab()), ["contact.0.friction_coefficient=0:0.2"])
     assert one.start == 0.2  # the scene's .3 is beyond
     assert one.taken(0.1) == 0.1
-    for wrong in (0.21, -1, float("nan"), float("inf"), True, "0.1", None, [0.1], 10**400):
-        with pytest.raises(ValueError, match="friction_coefficient: "):
+    for wrong in (0.21, -1, float("nan"), float("inf"), 10**400):
+        with refused("number_beyond_its_range", ValueError):
+            one.taken(wrong)
+    for wrong in (True, "0.1", None, [0.1]):
+        with refused("number_is_none", ValueError):
             one.taken(wrong)
     (degree,) = moved_keys(study(slab()), ["discretisation.degree=1:2"])
     assert isinstance(degree.taken(2.0), int)
-    with pytest.raises(ValueError, match="whole"):
+    with refused("degree_is_no_whole_number", ValueError):
         degree.taken(1.5)
 
 

@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from fenics_contact import Study
 from fenics_contact.explore.keys import moved_keys
-from fenics_contact.explore.requests import Exchange, Request, read_request
+from fenics_contact.explore.messages import Exchange, Request, read_request
 from tests.scenes import slab
 
 KEY = "contact.0.friction_coefficient"

@@ -10,10 +10,9 @@ import pytest
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
-from fenics_contact import InputError
-from fenics_contact.explore.access import Access, new_token
 from fenics_contact.explore.messages import said
-from fenics_contact.explore.server import File, Server, Site
+from fenics_contact.explore.server import Access, File, Server, Site, new_token
+from tests.messages import refused
 
 pytestmark = pytest.mark.serial
 
@@ -241,10 +240,10 @@ def test_a_port_in_use_and_an_address_of_others_are_said(served):
     site = Site(
         Access("127.0.0.1", TOKEN), {}, list, lambda page, text: [], lambda page: None, False
     )
-    with pytest.raises(InputError, match=f"--port {served.server.port}: another program listens"):
+    with refused("port_in_use", port=served.server.port):
         Server(site, "127.0.0.1", served.server.port)
     for host in ("192.0.2.1", "no-such-host.invalid"):
-        with pytest.raises(InputError, match=f"--host {host}: not an address of this machine"):
+        with refused("host_of_others", host=host):
             Server(site, host, 0)
 
 

@@ -10,6 +10,7 @@ from mpi4py import MPI
 from fenics_contact import Group, InputError, MeshSource, Support, run
 from fenics_contact.common.dolfinx_versions import boundary_entities
 from fenics_contact.mesh.loading import load_body
+from tests.messages import refused, says
 from tests.scenes import ROOT, SLAB, box_body, slab
 
 COMM = MPI.COMM_WORLD
@@ -101,7 +102,7 @@ Physical Curve("top") = {3}; Physical Surface("block") = {1};
         body = load_body(dataclasses.replace(source, parameters=given), 2, COMM)
         assert area(body, "top") == pytest.approx(width)
     wrong = dataclasses.replace(source, parameters={"v": 3})
-    assert "defines no such constant; it has: w" in refusal(wrong)
+    says("no_constant_v", refusal(wrong))
 
 
 def test_parameters_do_not_leak_from_one_mesh_to_the_next():
@@ -138,8 +139,8 @@ def test_mesh_file_gives_the_same_body(folder, version, binary):
         assert area(body, name) == pytest.approx(area(direct, name)), name
     cells = body.mesh.topology.index_map(2).size_global
     assert cells == direct.mesh.topology.index_map(2).size_global
-    assert "size cannot change it" in refusal(MeshSource(str(msh), size=0.1))
-    assert "is a mesh already" in refusal(MeshSource(str(msh), order=2))
+    says("size_of_a_mesh", refusal(MeshSource(str(msh), size=0.1)))
+    says("order_of_a_mesh", refusal(MeshSource(str(msh), order=2)))
 
 
 # Two triangles and two lines. All are in part 1: only the physical groups differ, as in
@@ -220,9 +221,7 @@ def test_unsound_mesh_is_one_sentence_on_every_rank(folder, old, new, message):
 
 def test_degenerate_cells_are_counted_and_placed(folder):
     text = TWO_TRIANGLES.replace("3 1 1 0\n", "3 2 0 0\n")
-    said = refusal(write(folder, text, "a.msh"))
-    assert "1 cell is degenerate" in said
-    assert "the first at (1, 0)" in said
+    says("cell_is_degenerate", refusal(write(folder, text, "a.msh")))
 
 
 def test_part_numbered_the_other_way_round_is_no_fault(folder):
@@ -233,8 +232,8 @@ def test_part_numbered_the_other_way_round_is_no_fault(folder):
 
 
 def test_mesh_of_the_wrong_dimension():
-    assert "is 2-dimensional" in refusal(MeshSource(SLAB), 3)
-    assert "is 3-dimensional" in refusal(MeshSource(BRACKET), 2)
+    says("mesh_of_dimension_2", refusal(MeshSource(SLAB), 3))
+    says("bracket_in_the_plane", refusal(MeshSource(BRACKET), 2))
 
 
 INSIDE = (
@@ -261,11 +260,11 @@ def test_boundary_inside_the_body_empty_or_elsewhere(folder):
     )
     assert body.mesh.topology.index_map(2).size_global > 4  # disconnected parts may be, too
     for name, message in (
-        ("between", r"contact\[0\].on = 'between': (\d+) of its \1 facets lie inside the body"),
-        ("all", r"= 'all': \d+ of its \d+ facets lie inside"),
-        ("elsewhere", r"'elsewhere': \d+ of its facets are no sides of the body's cells"),
+        ("between", "facets_between_inside"),
+        ("all", "some_facets_inside"),
+        ("elsewhere", "facets_elsewhere"),
     ):
-        with pytest.raises(InputError, match=message):
+        with refused(message):
             body.boundary(name, "contact[0].on")
     body.group("between", "support[0].on")  # a support may be anywhere
 
@@ -273,10 +272,10 @@ def test_boundary_inside_the_body_empty_or_elsewhere(folder):
 def test_a_run_says_which_key_is_wrong(folder):
     source = write(folder, INSIDE.replace("Curve{:}", "{1}"))
     scene = slab()
-    for on, key in (("between", r"contact\[0\].on"), ("nowhere", r"contact\[0\].on")):
+    for on, said in (("between", "facets_between_inside"), ("nowhere", "no_group_nowhere")):
         contact = dataclasses.replace(scene.contact[0], on=on)
         wrong = dataclasses.replace(scene, mesh=source, support=(), load=(), contact=(contact,))
-        with pytest.raises(InputError, match=f"{key} = '{on}'"):
+        with refused(said):
             run(wrong, COMM)
 
 
@@ -290,7 +289,7 @@ def test_axisymmetric_mesh_over_its_axis(folder):
         load=(),
         contact=(),
     )
-    with pytest.raises(InputError, match=r"x is the radius, but .* down to x = -0.5"):
+    with refused("radius_is_negative"):
         run(scene, COMM)
 
 
@@ -331,13 +330,10 @@ def test_bracket_has_numbers_and_names():
     assert area(body, "wall") == pytest.approx(30 * 40)
     assert area(body, "pads") == pytest.approx(2 * 400)
     assert area(body, "9", body.numbers) == pytest.approx(30 * 8)
-    with pytest.raises(
-        InputError, match=r"= 'end': .* there are: body, pads, wall, 1 at \(0, 15, 20\)"
-    ):
+    with refused("no_group_end"):
         body.boundary("end", "load[0].on")
-    said = refusal(dataclasses.replace(source, groups={"wall": (1, 44)}), 3)
-    assert re.search(r"mesh.groups.wall: .* has no surface 44; it has: 1, 2, .*, 20", said)
-    assert "only .geo files" in refusal(dataclasses.replace(source, parameters={"a": 1}), 3)
+    says("no_surface_44", refusal(dataclasses.replace(source, groups={"wall": (1, 44)}), 3))
+    says("parameters_of_a_step_file", refusal(dataclasses.replace(source, parameters={"a": 1}), 3))
 
 
 @pytest.mark.parametrize(("unit", "size"), [("$", 1.0), (".CENTI.", 1.0), (".MILLI.", 1.0)])
@@ -365,51 +361,51 @@ def test_files_of_rubbish(folder, content, suffix):
 def test_empty_group_of_ones_own_mesh():
     body = box_body((2, 2))
     empty = dataclasses.replace(body, groups={"empty": Group(1, (77,))})
-    with pytest.raises(InputError, match=r"on = 'empty': the group is empty, it has no facets"):
+    with refused("group_empty_is_empty"):
         empty.group("empty", "support[0].on")
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("Line(1) = {1, 2};\n", "Gmsh says"),
-        ("Point(1) = {0, 0, 0};\n", "is 0-dimensional, but .* dimension 2"),
+        ("Line(1) = {1, 2};\n", "gmsh_says"),
+        ("Point(1) = {0, 0, 0};\n", "mesh_of_dimension_0"),
+        ('Point(1) = {0, 0, 0};\nPhysical Surface("b") = {4};\n', "mesh_of_dimension_0"),
+        ('SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 1, 1};\n', "mesh_of_dimension_3"),
+        (RECTANGLE + "Rotate {{1, 0, 0}, {0, 0, 0}, 0.1} { Surface{1}; }\n", "mesh_out_of_plane"),
         (
-            'Point(1) = {0, 0, 0};\nPhysical Surface("b") = {4};\n',
-            "is 0-dimensional|Gmsh says",
+            RECTANGLE + "Rectangle(2) = {2, 0, 0, 1, 1};\nRecombine Surface{2};\n",
+            "mesh_of_mixed_cells",
         ),
-        ('SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 1, 1};\n', "is 3-dimensional"),
-        (RECTANGLE + "Rotate {{1, 0, 0}, {0, 0, 0}, 0.1} { Surface{1}; }\n", "the plane z = 0"),
-        (RECTANGLE + "Rectangle(2) = {2, 0, 0, 1, 1};\nRecombine Surface{2};\n", "mixes cells"),
-        (RECTANGLE + "Exit;\n", "'Exit' is no statement that makes a geometry"),
+        (RECTANGLE + "Exit;\n", "statement_exit_refused"),
     ],
 )
 def test_bad_geometry_is_one_error_on_every_rank(folder, text, message):
-    with pytest.raises(InputError, match=message):
+    with refused(message):
         load_body(write(folder, text), 2, COMM)
 
 
 def test_unknown_parameter_lists_those_there_are():
-    with pytest.raises(InputError, match=r"cells_alon = 4: .*cells_along, height, length"):
+    with refused("no_constant_cells_alon"):
         load_body(MeshSource(SLAB, parameters={"cells_alon": 4}), 2, COMM)
 
 
 def test_parameter_that_the_geometry_overwrites_is_refused(folder):
     source = write(folder, "n = 3;\n" + OVERLAPPING)
-    with pytest.raises(InputError, match=r"n = 5: .*overwrites it"):
+    with refused("constant_is_overwritten"):
         load_body(MeshSource(source.file, parameters={"n": 5}), 2, COMM)
 
 
 def test_missing_file_and_wrong_kind(folder):
-    with pytest.raises(InputError, match="there is no such file"):
+    with refused("no_mesh_file_no"):
         load_body(MeshSource(str(folder / "no.geo")), 2, COMM)
-    with pytest.raises(InputError, match=r"must end in .geo, .msh, .step"):
+    with refused("no_such_suffix_txt"):
         load_body(write(folder, "x", "g.txt"), 2, COMM)
 
 
 def test_missing_group_lists_those_there_are():
     body = load_body(MeshSource(SLAB), 2, COMM)
-    with pytest.raises(InputError, match=r"load\[0\].on = 'rigt': .* bottom, left, right, slab"):
+    with refused("no_group_rigt"):
         body.group("rigt", "load[0].on")
-    with pytest.raises(InputError, match="must be a boundary"):
+    with refused("contact_of_a_part"):
         body.boundary("slab", "contact[0].on")

@@ -6,7 +6,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Run, Steps
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.state_file import StateFile
 from tests.preload.joints import joint
 from tests.preload.test_joint import scene
 

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.problem import loads
-from fenics_contact.problem.loads.traction import Traction
+from fenics_contact.problem.loads import Traction
 from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE
 from fenics_contact.scene.loading.load_kinds import LoadKind
 from fenics_contact.scene.units.dimensions import STRESS

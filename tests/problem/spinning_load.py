@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from fenics_contact.problem import loads
-from fenics_contact.problem.loads.body_force import BodyForce
+from fenics_contact.problem.loads import BodyForce
 from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE
 from fenics_contact.scene.loading.load_kinds import LoadKind
 from fenics_contact.scene.units.dimensions import DENSITY, PLACE, RATE

@@ -9,7 +9,6 @@ from fenics_contact import (
     Contact,
     Discretisation,
     HalfSpace,
-    InputError,
     Load,
     Material,
     Obstacle,
@@ -22,6 +21,7 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_stepper import solve
+from tests.messages import refused
 from tests.solve.load_steps.histories import block, dragged, shoved, two_blocks
 
 ONE = dragged(Steps(number=2))
@@ -102,7 +102,7 @@ OTHER_BODIES = {
 @pytest.mark.parametrize("name", OTHER_BODIES)
 def test_a_scene_of_another_body_is_refused_by_what_is_other(name):
     discrete = DiscreteBody(BodyDescription.of(ONE), block())
-    with pytest.raises(InputError, match=f"another body .* other {name}"):
+    with refused("body_is_another", part=name):
         Problem(OTHER_BODIES[name], discrete)
 
 

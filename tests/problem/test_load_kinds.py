@@ -8,7 +8,6 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import (
-    InputError,
     Load,
     Material,
     Run,
@@ -19,7 +18,7 @@ from fenics_contact import (
     main,
     run,
 )
-from fenics_contact.analyses.derivatives.drive import driven
+from fenics_contact.analyses.derivatives.means import driven
 from fenics_contact.common.errors import SceneError
 from fenics_contact.contact.laws import allowed
 from fenics_contact.mesh.loading import load_body
@@ -27,6 +26,7 @@ from fenics_contact.problem.loads import LAWS
 from fenics_contact.scene.loading.load_kinds import kinds_of
 from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.schema import scene_schema
+from tests.messages import refused
 from tests.problem import shear_load
 from tests.report.page.pages import page_of
 from tests.scenes import ROOT, box_body
@@ -187,7 +187,7 @@ def test_runs_go_on_with_it_and_beyond_their_end(scene, tmp_path):
     forces = [[step.quantities["normal_force"] for step in one.steps] for one in (whole, found)]
     assert forces[1] == pytest.approx(forces[0], rel=1e-8) and len(forces[0]) == 3
     other = dataclasses.replace(longer, load=(Load("right", shear=31),))
-    with pytest.raises(InputError, match="load"):
+    with refused("resume_with_another_load"):
         resumed(other, body, tmp_path)
 
 
@@ -217,13 +217,13 @@ def test_editors_and_the_documentation_know_it():
 
 
 def test_what_it_does_not_take_is_refused_in_a_sentence(scene):
-    with pytest.raises(SceneError, match="exactly one of traction, pressure, body_force and shear"):
+    with refused("load_gives_none_with_shear", SceneError):
         Load("right", shear=3, pressure=1)
-    with pytest.raises(InputError, match=r"did you mean 'shear'\?\); accepted here: .*, shear"):
+    with refused("unknown_key_sheer"):
         load_scene(scene("sheer = 3"))
-    with pytest.raises(InputError, match=r"load\[0\].shear = '3 mm': .*accepted here is a stress"):
+    with refused("shear_in_mm"):
         load_scene(scene('shear = "3 mm"'))
-    with pytest.raises(ValueError, match="Load has a key 'shear'"):
+    with refused("load_key_is_there_already", ValueError):
         shear_load.register()
 
 
@@ -234,5 +234,5 @@ def test_a_body_without_such_a_place_is_refused():
         support=(Support("x0", {"x": 0, "y": 0, "z": 0}),),
         load=(Load("x1", shear=3),),
     )
-    with pytest.raises(InputError, match="a shear needs a plane model"):
+    with refused("shear_needs_a_plane_model"):
         run(solid, MPI.COMM_SELF, box_body((2, 2, 2), (1, 1, 1)))

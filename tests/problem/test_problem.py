@@ -6,8 +6,9 @@ import pytest
 from dolfinx import jit
 from mpi4py import MPI
 
-from fenics_contact import Contact, InputError, Load, Material, Profile, Run, Scene, Support, run
+from fenics_contact import Contact, Load, Material, Profile, Run, Scene, Support, run
 from fenics_contact.solve.load_steps.load_stepper import solve
+from tests.messages import refused
 from tests.scenes import box_body, slab
 
 COMM = MPI.COMM_WORLD
@@ -111,56 +112,54 @@ def test_forms_are_shared_by_contacts_and_loads_of_one_kind():
 
 def test_contact_may_not_overlap_a_support_or_a_contact():
     scene = dataclasses.replace(slab(), support=(*slab().support, Support("top", {"x": 0})))
-    with pytest.raises(InputError, match=r"contact\[0\].on = 'top': shares .* the support on 'top"):
+    with refused("contact_shares_boundary_with_support"):
         Run(scene, COMM)
     twice = dataclasses.replace(
         slab(), contact=(*slab().contact, Contact("top", name="again", pressure=1))
     )
-    with pytest.raises(InputError, match=r"contact\[1\].on = 'top': shares .* the contact 'top'"):
+    with refused("contact_shares_boundary_with_contact"):
         Run(twice, COMM)
 
 
 def test_supports_that_contradict_each_other_are_refused():
     scene = dataclasses.replace(slab(), support=(*slab().support, Support("right", {"y": 0.1})))
-    with pytest.raises(
-        InputError, match=r"support on 'right': displacement.y = 0.1, but .*'bottom'"
-    ):
+    with refused("supports_prescribe_differently"):
         Run(scene, COMM)
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"contact": (Contact("tpo", pressure=1),)}, r"contact\[0\].on = 'tpo'"),
-        ({"contact": (Contact("slab", pressure=1),)}, "must be a boundary"),
-        ({"load": (Load("slab", pressure=1),)}, r"load\[0\].on = 'slab': must be a boundary"),
-        ({"load": (Load("top", body_force=(0, 1)),)}, "needs a part of the body"),
-        ({"support": (Support("lfet", {"x": 0}),)}, r"support\[0\].on = 'lfet'"),
-        ({"kinematics": "3D", "load": ()}, "is 2-dimensional, but .* needs a mesh of dimension 3"),
+        ({"contact": (Contact("tpo", pressure=1),)}, "no_group_tpo"),
+        ({"contact": (Contact("slab", pressure=1),)}, "contact_of_a_part"),
+        ({"load": (Load("slab", pressure=1),)}, "load_of_a_part"),
+        ({"load": (Load("top", body_force=(0, 1)),)}, "body_force_of_a_side"),
+        ({"support": (Support("lfet", {"x": 0}),)}, "no_group_lfet"),
+        ({"kinematics": "3D", "load": ()}, "mesh_of_dimension_2"),
     ],
 )
 def test_scene_that_does_not_fit_its_mesh(change, message):
-    with pytest.raises(InputError, match=message):
+    with refused(message):
         Run(dataclasses.replace(slab(), **change), COMM)
 
 
 def test_body_of_another_dimension_is_refused():
-    with pytest.raises(InputError, match="needs cells of dimension 2; those of a box have 3"):
+    with refused("kinematics_of_another_dimension"):
         Run(slab(), COMM, box_body((1, 1, 1)))
 
 
 @pytest.mark.parametrize(
     ("function", "message"),
     [
-        (lambda x: x[0] - 4, "smallest value is -4"),
-        (lambda x: x[0] / 0 * float("nan"), "not finite|fails"),
-        (lambda x: x[7], "its function fails: IndexError"),
-        (lambda x: [1, 2, 3], "its function fails: ValueError"),
+        (lambda x: x[0] - 4, "pressure_is_negative_somewhere"),
+        (lambda x: x[0] / 0 * float("nan"), "pressure_not_finite"),
+        (lambda x: x[7], "pressure_fails_with_index"),
+        (lambda x: [1, 2, 3], "pressure_fails_with_shape"),
     ],
 )
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_bad_functions_of_position_are_named(function, message):
-    with pytest.raises(InputError, match=rf"contact\[0\].pressure.*({message})"):
+    with refused(message):
         Run(slab(pressure=function), COMM)
 
 

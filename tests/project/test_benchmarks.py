@@ -12,18 +12,19 @@ from fenics_contact.common.parallel import largest
 from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.problem.problem import Problem
-from fenics_contact.verification.memory.block_scenes import body_of, scene_of
-from fenics_contact.verification.memory.blocks import (
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.verification.memory_check import (
     FLAT,
     FLAT_PAIRS,
     PAIRS,
     SLIPPERY,
-    Case,
+    BlockCase,
     flat,
     flat_pair,
     slab,
     square,
 )
+from fenics_contact.verification.memory_worker import body_of, scene_of
 from tests.conftest import COMM
 
 # Its files find each other as where they are run: beside the program.
@@ -31,6 +32,9 @@ from tests.scenes import ROOT
 
 sys.path.append(str(ROOT / "benchmarks"))
 
+import assemblies
+import assembly_calculix
+import assembly_scenes
 import cost_measure
 import derivative_cost
 import derivative_table
@@ -50,8 +54,8 @@ KEYS = [
     *("further_step_seconds", "further_step_ratio", "further_step_ratio_with_results"),
     "seconds_errors",
 ]
-CASE = Case("Q2", (20, 20))
-PAIR = Case("Q2", (20, 10), upper=(15, 7))
+CASE = BlockCase("Q2", (20, 20))
+PAIR = BlockCase("Q2", (20, 10), upper=(15, 7))
 
 
 def without_errors(case, solver):
@@ -102,7 +106,7 @@ def test_rows_of_two_bodies_count_both_and_the_time_of_pairing(measured_pair):
     assert limit_of(measured_pair["full"].row) is None
 
 
-@pytest.mark.parametrize("case", [PAIR, Case("P1 tets", (8, 8, 2), upper=(6, 6, 2))])
+@pytest.mark.parametrize("case", [PAIR, BlockCase("P1 tets", (8, 8, 2), upper=(6, 6, 2))])
 def test_foot_of_the_upper_block_is_round_and_touches_the_lower_one(case):
     body = body_of(case, COMM)
     problem = Problem.on_mesh(scene_of(case, "condensed"), body)
@@ -161,7 +165,7 @@ def test_all_of_the_face_touches_in_full_contact(case, slips):
 
 def test_a_piece_of_a_half_space_meets_hertz():
     """P = 4/3 E* √R d^(3/2) (K. L. Johnson, Contact Mechanics, 1985, Section 4.2)."""
-    case = Case("Q1 hexes", (20, 20, 10), half_space=True)
+    case = BlockCase("Q1 hexes", (20, 20, 10), half_space=True)
     problem = Problem.on_mesh(scene_of(case, "iterative"), body_of(case, COMM))
     solution = frictional_solve(problem).solution
     force = contact_quantities(problem, solution, 0)["normal_force"]
@@ -191,7 +195,7 @@ def test_solvers_of_solve_cost_agree_where_part_sticks_and_part_slips(
 
 
 def test_further_steps_of_solve_cost_share_the_factorisation():
-    case = Case("Q2", (8, 8), steps=3)
+    case = BlockCase("Q2", (8, 8), steps=3)
     found = without_errors(case, "condensed")
     assert found.row["steps"] == 3
     assert found.row["factorisations"] == 1
@@ -287,3 +291,47 @@ def test_a_trial_of_fit_coverage_misses_another_truth(monkeypatch):
     found = fit_coverage.summary([right, wrong])
     assert list(found["coverage"].values()) == [0.5, 0.5]
     assert found["evaluations_most"] == max(5, wrong.evaluations)
+
+
+def test_a_row_of_assemblies_is_of_the_run(monkeypatch):
+    monkeypatch.setattr(CondensedSystem, "_take_body", CondensedSystem._take_body)
+    two = assembly_scenes.stack(assembly_scenes.Mesh(10, 3, degree=1), plates=2)
+    row = assemblies.measure(assembly_scenes.Case("two plates", lambda: two), "none")
+    assert row["exit_code"] == 0, row["words"]
+    assert len(row["newton"]) == len(two.steps.times)
+    assert 0 < row["present_dofs"][-1] <= row["contact_dofs"] < row["dofs"]
+    assert row["peak_memory_mb"] > 100
+
+
+@pytest.mark.serial
+def test_the_input_of_calculix_is_the_scene():
+    """Middle nodes of `C3D10` by its manual, sides where contact is, and forces of tractions.
+
+    Plates of 20 × 20, pressed by 10 and then sheared by 1.
+    """
+    scene = assembly_scenes.stack(assembly_scenes.Mesh(10, 3), plates=2, shear=0.1)
+    lines = list(assembly_calculix.Model(scene).lines(assembly_calculix.SETTINGS[0]))
+
+    def rows(head, first=0):
+        start = lines.index(head, first) + 1
+        end = next(n for n in range(start, len(lines)) if lines[n].startswith("*"))
+        return [[part.strip() for part in line.split(",")] for line in lines[start:end]]
+
+    places = np.array(rows("*NODE, NSET=ALL"), dtype=float)[:, 1:]
+    cells = np.array(rows("*ELEMENT, TYPE=C3D10, ELSET=BODY"), dtype=int)[:, 1:] - 1
+    ends = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+    for middle, (one, other) in enumerate(ends, start=4):
+        mean = (places[cells[:, one]] + places[cells[:, other]]) / 2
+        np.testing.assert_allclose(places[cells[:, middle]], mean, atol=1e-9)
+    sides = {"S1": (0, 1, 2), "S2": (0, 3, 1), "S3": (1, 3, 2), "S4": (2, 3, 0)}
+    levels = [
+        np.ptp([places[cells[int(n) - 1, list(sides[side])], 2] for n, side in rows(head)])
+        for head in ("*SURFACE, NAME=S0, TYPE=ELEMENT", "*SURFACE, NAME=M0, TYPE=ELEMENT")
+    ]
+    assert max(levels) < 1e-9
+    steps = [n for n, line in enumerate(lines) if line.startswith("*STEP")]
+    for first, pushed in zip(steps, (0.0, 1.0), strict=True):
+        forces = np.zeros(3)
+        for _, axis, force in rows("*CLOAD, OP=NEW", first):
+            forces[int(axis) - 1] += float(force)
+        np.testing.assert_allclose(forces, 400 * np.array([pushed, 0, -10]), atol=1e-6)

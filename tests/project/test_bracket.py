@@ -23,7 +23,7 @@ def solved(size):
 
 @pytest.fixture(scope="module")
 def result():
-    return solved(5.0)
+    return solved(6.0)
 
 
 def pad(result, name):
@@ -101,7 +101,7 @@ def test_rougher_pad_sticks_next_to_the_wall(result):
 
 
 def test_refinement_changes_little(result):
-    fine = solved(4.0)
+    fine = solved(4.5)
     assert fine.passed
     assert fine.model["dofs"] > 1.4 * result.model["dofs"]
     coarse_force, force = friction_of(result), friction_of(fine)

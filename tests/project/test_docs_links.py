@@ -1,6 +1,7 @@
 """Links of the pages as they stand in the repository: each leads to a file, and to a heading."""
 
 import functools
+import importlib.util
 import re
 from itertools import pairwise
 
@@ -59,3 +60,12 @@ def test_api_page_has_every_public_name():
 def test_the_readme_is_read_to_its_end():
     """What more there is to say stands in the documentation."""
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 150
+
+
+def test_modules_are_documented_once():
+    """Sphinx refuses to build pages that describe one twice, which merging two of them makes."""
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    names = re.findall(r"^\.\. automodule:: (\S+)", text, re.MULTILINE)
+    assert len(names) > 20
+    assert sorted(names) == sorted(set(names))
+    assert not [name for name in names if importlib.util.find_spec(name) is None]

@@ -16,9 +16,9 @@ FenicsContactError Fit FormulaFriction Fretting Group HalfSpace InputError Jumps
 Measured MeshSource MicroSlipFriction Modes Motion MotionModes NoEquilibriumError NonlocalFriction
 NormalCompliance NotConvergedError Objective Obstacle OrthotropicFriction OwnEnergy OwnFriction
 OwnFrictionLaw OwnNormalLaw Path Point Preload PressureDependentFriction PressureFormula Profile
-Rayleigh Result Run Scene SlipDependentFriction SolverSettings SpeedDependentFriction Stability
-Steps StrainLifeLine Study Support Units UserContactEnergy UserFriction Wear WearCycle WornCycle
-allow_laws fit load_scene main run run_and_keep run_script run_with_fields
+Rayleigh Result Rotation Run Scene SlipDependentFriction SolverSettings SpeedDependentFriction
+Stability Steps StrainLifeLine Study Support Units UserContactEnergy UserFriction Wear WearCycle
+WornCycle allow_laws fit load_scene main run run_and_keep run_script run_with_fields
 """
 # Keys of the tables of a scene, in the order in which Python takes their values.
 KEYS = """
@@ -29,7 +29,7 @@ DerivativeRequest: of by
 ComplianceFriction: kind coefficient exponent
 Contact: on pressure pressure_path name contact obstacle against slave penalty_parameter
     foundation_stiffness normal_law interference interference_path wear law friction_coefficient
-    friction_law regularisation_parameter
+    friction_law regularisation_parameter axis moment_about
 CoulombFriction: kind
 Cycles: end begin number increments until tolerance keep jumps
 Damping: amplitudes modes by increments cycles tolerance
@@ -39,8 +39,8 @@ FormulaFriction: kind bound parameters
 Fretting: depth begin limits life
 HalfSpace: on
 CycleJump: pressure_change error fixed
-Load: on traction pressure body_force path
-Material: youngs_modulus poissons_ratio stiffness on density
+Load: on traction pressure body_force path force moment at distribution acceleration rotation
+Material: youngs_modulus poissons_ratio stiffness on density name
 MeshSource: file parameters cell order size sizes curvature time_limit groups name
 MicroSlipFriction: kind elastic_slip
 Modes: number
@@ -60,6 +60,7 @@ PressureDependentFriction: kind pressures shares
 PressureFormula: kind pressure parameters
 Profile: along at values
 Rayleigh: mass stiffness
+Rotation: speed axis at
 Scene: kinematics material mesh title thickness discretisation support load preload contact point
     symmetry half_space accuracy derivatives tolerances fretting modes damping stability steps
     cycles motion solver units

@@ -3,9 +3,11 @@
 import gc
 import subprocess
 from collections import namedtuple
+from pathlib import Path
 
 import pytest
-from dolfinx import jit
+import ufl
+from dolfinx import fem, jit
 
 from tests.compiled_headers import QUICKLY, command_of_forms, compiled
 from tests.conftest import (
@@ -15,7 +17,9 @@ from tests.conftest import (
     left_to_others,
     loaded_once,
     on_two_ranks_elsewhere,
+    without_listing,
 )
+from tests.scenes import box_body
 
 pytestmark = pytest.mark.serial
 
@@ -131,6 +135,15 @@ def test_forms_are_searched_for_once_and_again_when_they_have_gone(tmp_path):
     assert len(searched) == 4
     done.unlink()
     assert find("form", ["a"], tmp_path, 1) == (None, None)
+
+
+def test_forms_that_are_there_are_loaded_by_their_names(tmp_path):
+    fem.form(1.0 * ufl.dx(domain=box_body((1, 1)).mesh))  # there is one
+    cache = Path(jit.get_options()["cache_dir"])
+    name = next(cache.glob("libffcx_forms_*.c.cached")).name.partition(".")[0]
+    find = without_listing(lambda *wanted: (None, None))
+    assert find(name, [], cache, 1)[1].__name__ == name
+    assert find(name, [], tmp_path, 1) == (None, None)
 
 
 def test_no_garbage_is_looked_for_in_what_is_imported():

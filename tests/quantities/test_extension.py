@@ -5,12 +5,13 @@ import math
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError, Run, load_scene, run
+from fenics_contact import Run, load_scene, run
 from fenics_contact.evaluate import contact_quantities
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.quantities import table
 from fenics_contact.quantities.quantity import Quantity, Together
 from fenics_contact.results.reference import quantity_tables
+from tests.messages import refused
 from tests.quantities import mean_pressure
 from tests.quantities.mean_pressure import NAME
 from tests.report.page.pages import page_of
@@ -122,7 +123,7 @@ def test_the_documentation_has_its_row():
 
 
 def test_a_name_is_given_once():
-    with pytest.raises(ValueError, match=NAME):
+    with refused("quantity_is_there_already", ValueError):
         contact_quantities.register(Quantity(NAME, "", "", Together.SUM), lambda answer: 0.0)
     assert table.find(NAME) is mean_pressure.ROW
 
@@ -133,5 +134,5 @@ def test_what_it_lacks_is_refused_in_one_sentence(scene):
     bare = Quantity(NAME, "stress", "mean", Together.OF_THE_ONLY, is_asked_for=True)
     contact_quantities.register(bare, mean_pressure.value)
     asked = f'[derivatives]\nof = ["{NAME}"]\nby = ["{DEPTH}"]'
-    with pytest.raises(InputError, match=f"'{NAME}' has no derivatives"):
+    with refused("mean_pressure_has_no_derivatives"):
         run(load_scene(scene(asked)))

@@ -63,6 +63,7 @@ class RandomScene:
         twin: Another scene with the same answer.
         polygon: Boxes of coarser cells, of which those of these boxes are pieces.
         closed: Names of boxes that the map closes to rings.
+        welded: Names of boxes that are one body.
     """
 
     scene: Scene
@@ -76,10 +77,12 @@ class RandomScene:
     twin: Twin | None = None
     polygon: tuple[Box, ...] = ()
     closed: tuple[str, ...] = ()
+    welded: tuple[tuple[str, ...], ...] = ()
 
     def body(self, comm: MPI.Comm = MPI.COMM_WORLD) -> Body:
         """Its mesh, with the sides of each box named ``box.x0``, ``box.x1``, …; collective."""
-        made = boxes(self.parts, self.cell, comm, self.order, closed=self.closed)
+        joined = {"welded": self.welded, "closed": self.closed}
+        made = boxes(self.parts, self.cell, comm, self.order, **joined)
         places, dimension = made.mesh.geometry.x, self.scene.dimension
         found = self.shape(places[:, :dimension])
         for part in self.polygon:

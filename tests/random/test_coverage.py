@@ -20,11 +20,17 @@ from random_changes import (
     refused_rightly,
     wants_finest,
 )
-from random_coverage import against_statics, coverage, rank_differences, table
-from random_scenes import begin, jobs, read, write_section
+from random_coverage import (
+    against_statics,
+    coverage,
+    rank_differences,
+    solver_differences,
+    table,
+)
+from random_scenes import REFERENCES, begin, jobs, read, write_section
 from random_summary import failures, section, wrong
 
-from fenics_contact.verification.error_bars.table import kept
+from fenics_contact.verification.error_bars.runs import kept
 
 PROGRAM = ROOT / "benchmarks" / "random_scenes.py"
 pytestmark = pytest.mark.serial
@@ -233,6 +239,17 @@ def test_ranks_must_agree():
     assert rank_differences([row(1, **force), other])
 
 
+def test_solvers_must_agree():
+    by_full = row(1, normal_force=(100.0, 1.0)) | {"solver": "full"}
+
+    def other(code, force):
+        return row(1, "solver", code=code, normal_force=(force, None)) | {"solver": "condensed"}
+
+    assert not solver_differences([by_full, other(0, 100.0)])
+    assert solver_differences([by_full, other(0, 100.1)])
+    assert solver_differences([by_full, other(3, 100.0)])
+
+
 STUB = """
 import json, os, sys, time
 job = json.loads(open(sys.argv[1]).read())
@@ -265,7 +282,7 @@ def pool(tmp_path, monkeypatch):
 
 def test_crashes_and_hangs_are_rows_and_the_others_go_on(pool):
     pool, told = pool
-    pool.run(jobs(read(pool.rows), [1, 2, 3, 4], [1], refine=True))
+    pool.run(jobs(read(pool.rows), [1, 2, 3, 4], [1], REFERENCES))
     codes = {row["number"]: row["code"] for row in read(pool.rows)}
     assert codes == {1: 2, 2: random_pool.CRASHED, 3: random_pool.HUNG, 4: 2}
     assert len(told) == 4
@@ -279,13 +296,13 @@ def test_it_goes_on_where_it_was_interrupted(pool):
 
     pool.tell = stop
     with pytest.raises(KeyboardInterrupt):
-        pool.run(jobs(read(pool.rows), [1], [1], refine=False))
+        pool.run(jobs(read(pool.rows), [1], [1], ()))
     with pool.rows.open("a") as file:
         file.write('{"number": 7, "ran')  # as if ended while a line was written
     assert begin(pool.rows, {"seed": 1, "kinds": []})
     assert [row["number"] for row in read(pool.rows)] == [1]
     pool.tell = told.append
-    pool.run(jobs(read(pool.rows), [1, 4, 5], [1], refine=False))
+    pool.run(jobs(read(pool.rows), [1, 4, 5], [1], ()))
     assert sorted(row["number"] for row in read(pool.rows)) == [1, 4, 5]
     assert [row["number"] for row in told] == [4, 5]
 
@@ -300,9 +317,9 @@ def test_what_is_open_is_solved(pool):
     pool, _ = pool
     answered = row(1) | {"has_twin": True}
     rows = [answered, row(2, code=2), row(3), row(3, "fine")]
-    (job,) = jobs(rows, [1, 2, 3, 4], [1], refine=True)
+    (job,) = jobs(rows, [1, 2, 3, 4], [1], REFERENCES)
     assert job.numbers == [1, 4]
-    first, second = jobs([], [1], [1, 2], refine=True)
+    first, second = jobs([], [1], [1, 2], REFERENCES)
     assert first.stages == ("coarse", "twin", "fine", "finest")
     assert second.stages == ("coarse",)
 

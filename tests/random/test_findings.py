@@ -22,7 +22,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.trust.checks.run_checks import run_checks
+from fenics_contact.trust.run_checks import run_checks
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD

@@ -28,7 +28,7 @@ def require_same(random, *every):
     return one
 
 
-def drawn(number, most=6):
+def drawn(number, most=4):
     return COMM.bcast(smaller(draw_any(SEED, number), most) if COMM.rank == 0 else None)
 
 

@@ -19,6 +19,7 @@ from tests.random.scenes import RandomScene, draw
 
 COMM = MPI.COMM_WORLD
 SEED, NUMBER = 9, 50
+FEW = 20  # of them say already how many slip and stick at once, and how many fail
 TYPED = (2, 3, 5)  # input, not converged, machine
 SECONDS = 120  # after which one hangs, and the run ends with where it does
 # Of a share, what the penalty may change: the program says .1 %.
@@ -58,7 +59,7 @@ def test_it_is_answered_or_refused(number, solved):
 
 def test_they_are_many_kinds(solved, capsys):
     scenes = [draw_here(number).scene for number in range(NUMBER)]
-    outcomes = [solved(number) for number in range(NUMBER)]
+    outcomes = [solved(number) for number in range(FEW)]
     mixed = sum(outcome.mixed for outcome in outcomes)
     in_space = sum(scene.kinematics == "3D" for scene in scenes)
     codes = [outcome.code for outcome in outcomes]
@@ -66,12 +67,12 @@ def test_they_are_many_kinds(solved, capsys):
     with capsys.disabled():
         if COMM.rank == 0:
             print(
-                f"\n{NUMBER} scenes at random: {mixed} slip and stick at once, {in_space} in "
-                f"space; exit codes {counts}"
+                f"\n{NUMBER} scenes at random: {in_space} in space; of {FEW}, {mixed} slip and "
+                f"stick at once; exit codes {counts}"
             )
     assert 3 * in_space >= NUMBER
-    assert 2 * mixed >= NUMBER
-    assert codes.count(3) <= 0.1 * NUMBER
+    assert 2 * mixed >= FEW
+    assert codes.count(3) <= 0.1 * FEW
 
 
 def test_the_same_number_is_the_same_scene():

@@ -3,7 +3,6 @@
 import dataclasses
 import html
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,7 +30,7 @@ from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.style import COLOURS, STYLE, neighbourhood
 from fenics_contact.report.gallery import draw_pictures
 from fenics_contact.results.contact_points import ContactTable
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.scenes import PULLED_BLOCK, ROOT, box_body, slab
 
@@ -46,15 +45,7 @@ def coarse(monkeypatch):
 
 
 def draw_coarsely(monkeypatch):
-    """Fewer pixels, and empty PDFs, which take most of the time: test_picture_style has them."""
-    from matplotlib.figure import Figure
-
-    saved = Figure.savefig
-
-    def save(figure, path, **look):
-        return Path(path).touch() if Path(path).suffix == ".pdf" else saved(figure, path, **look)
-
-    monkeypatch.setattr(Figure, "savefig", save)
+    """Fewer pixels."""
     monkeypatch.setitem(STYLE, "savefig.dpi", 80)
 
 

@@ -11,7 +11,7 @@ from fenics_contact.quantities import table
 from fenics_contact.results.records.record import Record, meanings
 from fenics_contact.results.records.run import RunRecord
 from fenics_contact.results.reference import records, with_tables
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.records import made_run
 from tests.scenes import ROOT, slab

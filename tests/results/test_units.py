@@ -15,10 +15,9 @@ from fenics_contact.report.page.tables import (
     quantities_table,
     reactions_table,
 )
-from fenics_contact.results.quantities import measured_by_parameter
-from fenics_contact.results.result_file import read_result
-from fenics_contact.results.words.headlines import headlines
-from fenics_contact.results.words.tables import branch_rows
+from fenics_contact.results.quantities import headlines, measured_by_parameter
+from fenics_contact.results.result import read_result
+from fenics_contact.results.tables import branch_rows
 from fenics_contact.simulation.output import run_folder as files
 from tests.records import made_result, made_run
 from tests.scenes import box_body

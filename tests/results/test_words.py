@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fenics_contact.results.words.headlines import headlines
-from fenics_contact.results.words.rounding import rounded, sizes_of
+from fenics_contact.results.quantities import headlines
+from fenics_contact.results.rounding import rounded, sizes_of
 from tests.records import made_result
 
 

@@ -16,6 +16,7 @@ from fenics_contact import (
     Steps,
 )
 from fenics_contact.common.errors import SceneError
+from tests.messages import refused
 
 MOVING = Scene(
     kinematics="plane strain",
@@ -29,28 +30,22 @@ PLANE = Obstacle("plane", position=(0.0, 0.0), normal=(0.0, 1.0))
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"steps": Steps(number=3)}, "have no steps"),
-        ({"load": (Load("body", body_force=(0.0, -1.0)),)}, "load\\[0\\].path is missing"),
-        (
-            {"contact": (Contact("y0", obstacle=PLANE, friction_coefficient=0.3),)},
-            "only Coulomb's friction of law = 'incremental', or with",
-        ),
-        (
-            {"contact": (Contact("y0", normal_law=BY_FORMULA, obstacle=PLANE),)},
-            "only contacts that are prescribed, unilateral",
-        ),
+        ({"steps": Steps(number=3)}, "motion_with_steps"),
+        ({"load": (Load("body", body_force=(0.0, -1.0)),)}, "motion_without_path_of_load"),
+        ({"contact": (Contact("y0", obstacle=PLANE, friction_coefficient=0.3),)}, "no_velocities"),
+        ({"contact": (Contact("y0", normal_law=BY_FORMULA, obstacle=PLANE),)}, "motion_of_formula"),
         (
             {"contact": (Contact("y0", obstacle=Obstacle("plane", normal=(0.0, 1.0), force=3)),)},
-            "an obstacle has no mass",
+            "motion_with_obstacle_force",
         ),
         (
             {"motion": Motion(step=0.1, end=1.0, velocity={"body": (1.0, 0.0, 0.0)})},
-            "has 3 entries",
+            "velocity_in_3d",
         ),
     ],
 )
 def test_what_cannot_be_had_is_said(change, words):
-    with pytest.raises(SceneError, match=words):
+    with refused(words, SceneError):
         dataclasses.replace(MOVING, **change)
 
 
@@ -60,5 +55,5 @@ def test_what_always_acts_is_taken():
 
 
 def test_a_step_is_not_longer_than_all():
-    with pytest.raises(SceneError, match="must not exceed"):
+    with refused("motion_step_exceeds_end", SceneError):
         Motion(step=2.0, end=1.0)

@@ -9,7 +9,6 @@ from mpi4py import MPI
 from fenics_contact import (
     Accuracy,
     Contact,
-    InputError,
     Material,
     Obstacle,
     Point,
@@ -21,8 +20,8 @@ from fenics_contact import (
 from fenics_contact.scene.quantity_names import QuantityName
 from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.writing import scene_text
-from fenics_contact.simulation.adaptive.relative_errors import relative_errors
-from fenics_contact.simulation.adaptive.targets import asked_of
+from fenics_contact.simulation.adaptive.targets import asked_of, relative_errors
+from tests.messages import refused
 from tests.records import made_result
 from tests.scenes import box_body
 
@@ -76,37 +75,37 @@ def test_quotes_dots_and_of_mean_the_same(table, expected):
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ("left.reaction_z = 0.1", "did you mean 'reaction_y'? the contact 'left' and the support"),
-        ("lft.reaction = 0.1", "no contact and no support is called 'lft'; did you mean 'left'?"),
-        ("upper.lid.reactoin = 0.1", "'upper.lid.reactoin': did you mean 'reaction'? the support"),
-        ("upper.lid.normal_force = 0.1", "the support 'upper.lid' has reaction, reaction_x"),
-        ("upper.contact.reaction = 0.1", "the contact 'upper.contact' has normal_force"),
-        ("displacement_c = 0.1", "did you mean 'displacement_b'?"),
-        ("displacement_a_x = 0.1", "could be of the points 'a' and 'a_x'"),
-        ("left.reaction = 2", "'left.reaction' = 2: must be a number greater than 0, less than 1"),
-        ("left.reaction = true", "'left.reaction' = True: must be a number"),
-        ('left.reaction = 0.1\n"left.reaction" = 0.1', "'left.reaction' is given twice"),
-        ("left = {}", "'left' is an empty table"),
-        ("of.normal_force = 0.1", "'normal_force' is a key of its own"),
-        ("of = 1", "accuracy.of = 1: must be a table"),
-        ('".reaction" = 0.1', "no contact and no support is called ''"),
-        ("normal_forc = 0.1", r"unknown key 'accuracy.normal_forc' (did you mean 'normal_force'?)"),
-        ("max_level = 3", r"unknown key 'accuracy.max_level' (did you mean 'max_levels'?)"),
-        ("max_dofs = 300", "ask for that of main or of any of"),
+        ("left.reaction_z = 0.1", "accuracy_of_reaction_z"),
+        ("lft.reaction = 0.1", "accuracy_of_lft"),
+        ("upper.lid.reactoin = 0.1", "accuracy_of_reactoin"),
+        ("upper.lid.normal_force = 0.1", "accuracy_of_force_of_a_support"),
+        ("upper.contact.reaction = 0.1", "accuracy_of_reaction_of_a_contact"),
+        ("displacement_c = 0.1", "accuracy_of_displacement_c"),
+        ("displacement_a_x = 0.1", "accuracy_of_two_points"),
+        ("left.reaction = 2", "accuracy_is_2"),
+        ("left.reaction = true", "accuracy_is_true"),
+        ('left.reaction = 0.1\n"left.reaction" = 0.1', "accuracy_given_twice"),
+        ("left = {}", "accuracy_table_is_empty"),
+        ("of.normal_force = 0.1", "accuracy_key_in_of"),
+        ("of = 1", "accuracy_of_is_no_table"),
+        ('".reaction" = 0.1', "accuracy_of_an_empty_name"),
+        ("normal_forc = 0.1", "unknown_key_normal_forc"),
+        ("max_level = 3", "unknown_key_max_level"),
+        ("max_dofs = 300", "max_dofs_without_accuracy"),
     ],
 )
 def test_what_is_not_there_is_refused_in_one_sentence(table, message):
-    with pytest.raises(InputError) as caught:
+    with refused(message):
         asked(table)
-    said = str(caught.value)
-    assert said.startswith("named.toml: ") and message in said
-    assert "\n" not in said
 
 
-@pytest.mark.parametrize("name", ["", " a", "a\n", "\x1b[2J", 3])
-def test_names_that_cannot_be_read_are_refused(name):
-    with pytest.raises(ValueError, match="name = "):
-        Support("left", {"x": 0}, name=name)
+def test_names_that_cannot_be_read_are_refused():
+    for name in (" a", "a\n", "\x1b[2J"):
+        with refused("name_not_printable", ValueError, written=repr(name)):
+            Support("left", {"x": 0}, name=name)
+    for name, said in (("", "name_is_empty"), (3, "name_is_a_number")):
+        with refused(said, ValueError):
+            Support("left", {"x": 0}, name=name)
     assert Support("left", {"x": 0}, name="upper wall é").label == "upper wall é"
     assert Support("left", {"x": 0}).label == "left"
 
@@ -150,7 +149,7 @@ def pressed_with(comm, **accuracy):
 
 
 def test_what_a_scene_has_not_is_refused():
-    with pytest.raises(InputError, match="'contact_radius' needs an axis of revolution"):
+    with refused("contact_radius_needs_an_axis"):
         asked_of(Run(*pressed_with(COMM, contact_radius=0.1)))
     scene, body = pressed()
     bare = dataclasses.replace(
@@ -159,11 +158,11 @@ def test_what_a_scene_has_not_is_refused():
         support=(*scene.support, Support("y1", {"y": -0.01})),
         accuracy=Accuracy(normal_force=0.1),
     )
-    with pytest.raises(InputError, match="'normal_force' needs a contact, which the scene has not"):
+    with refused("normal_force_needs_a_contact"):
         asked_of(Run(bare, COMM, body))
     bare = dataclasses.replace(scene, contact=(Contact("left", pressure=1),))
     bare = dataclasses.replace(bare, accuracy=Accuracy(indentation=0.1))
-    with pytest.raises(InputError, match="'indentation' needs a rigid obstacle"):
+    with refused("indentation_needs_an_obstacle"):
         asked_of(Run(bare, COMM, body))
 
 

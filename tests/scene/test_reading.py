@@ -1,11 +1,9 @@
 import dataclasses
-import re
 
 import pytest
 from mpi4py import MPI
 
 from fenics_contact import (
-    InputError,
     Load,
     Obstacle,
     Profile,
@@ -17,6 +15,7 @@ from fenics_contact import (
 )
 from fenics_contact.scene import reference as scene_reference
 from fenics_contact.scene.reading import value_of
+from tests.messages import refused
 from tests.scenes import ROOT
 
 COMM = MPI.COMM_WORLD
@@ -61,85 +60,82 @@ def test_scene_file_becomes_the_same_dataclasses(folder):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("pressure", "presure", r"unknown key 'contact\[0\].presure' \(did you mean 'pressure'"),
-        ("[material]", "[materials]", r"unknown key 'materials' \(did you mean 'material'"),
-        ("x = 0", "q = 0", r"support\[0\].displacement.q"),
-        ("x = 0", "z = 0", r"support\[0\].displacement.z: a plane stress model has only"),
-        ("1000", "-1", r"material: youngs_modulus = -1 must be greater than 0"),
-        ("1000", "0", r"material: youngs_modulus = 0 must be greater than 0"),
-        ("1000", '"stiff"', r"material.youngs_modulus = 'stiff': must be a number"),
-        ("1000", "true", r"material.youngs_modulus = True: must be a number"),
+        ("pressure", "presure", "unknown_key_presure"),
+        ("[material]", "[materials]", "unknown_table_materials"),
+        ("x = 0", "q = 0", "unknown_axis_q_in_file"),
+        ("x = 0", "z = 0", "no_axis_z"),
+        ("1000", "-1", "youngs_modulus_is_negative_in_file"),
+        ("1000", "0", "youngs_modulus_is_zero"),
+        ("1000", '"stiff"', "youngs_modulus_is_a_word"),
+        ("1000", "true", "youngs_modulus_is_true"),
+        ("ratio = 0.3", "ratio = 0.5", "poissons_ratio_is_a_half_in_file"),
+        ("ratio = 0.3", "ratio = -1", "poissons_ratio_is_minus_1"),
+        ("ratio = 0.3", "ratio = nan", "poissons_ratio_is_nan"),
+        ("coefficient = 0.3", "coefficient = -0.3", "friction_coefficient_is_negative"),
+        ("pressure = 300", "pressure = inf", "pressure_is_infinite"),
+        ("pressure = 300", 'pressure = "p"', "pressure_is_a_letter"),
+        ("pressure = 300\n", 'contact = "prescribed"\n', "pressure_is_missing_in_file"),
+        ("pressure = 300", 'pressure = {along="x", at=[0,1], valus=[1,2]}', "unknown_key_valus"),
         (
-            "ratio = 0.3",
-            "ratio = 0.5",
-            r"poissons_ratio = 0.5 must lie between -1 and 0.5",
+            "pressure = 300",
+            'pressure = {along="x", at=[0,1], values=[1,2,3]}',
+            "profile_of_2_and_3",
         ),
-        ("ratio = 0.3", "ratio = -1", r"material: poissons_ratio = -1 must lie between"),
-        ("ratio = 0.3", "ratio = nan", r"material.poissons_ratio = nan: must be a finite"),
-        ("coefficient = 0.3", "coefficient = -0.3", r"friction_coefficient = -0.3 must be ≥ 0"),
-        ("pressure = 300", "pressure = inf", r"contact\[0\].pressure = inf: must be a finite"),
-        ("pressure = 300", 'pressure = "p"', r"contact\[0\].pressure = 'p': must be a number"),
-        ("pressure = 300\n", 'contact = "prescribed"\n', r"prescribed contact needs it"),
-        ("pressure = 300", 'pressure = {along="x", at=[0,1], valus=[1,2]}', r"'values'"),
-        ("pressure = 300", 'pressure = {along="x", at=[0,1], values=[1,2,3]}', r"at has 2"),
-        ("pressure = 300", 'pressure = {along="x", at=[1,0], values=[1,2]}', r"must increase"),
-        ("[-300, 0]", "[1, 2, 3]", r"load\[0\].traction has 3 entries; .* needs 2"),
-        ("traction", "pressure = 3\ntraction", r"exactly one of traction, pressure"),
-        ("[[load]]", "[load]", r"load = .*: must be a list"),
-        ('"plane stress"', '"plane"', r"kinematics = 'plane': must be 'plane strain', "),
-        ("[-300, 0]", "[-300, 0", r"not valid TOML"),
-        ('file = "slab.geo"', "", r"the key 'mesh.file' is missing"),
-        ("pressure = 300", 'pressure = {along="z", at=[0,1], values=[1,2]}', r"profile along z"),
-        ("[-300, 0]", "[-300]", r"load\[0\].traction = \[-300\]: must be of at least 2 entries"),
-        ("{ x = 0 }", "{}", r"support\[0\].displacement = {}: must be of at least 1 entries"),
-        ("= 1000", "= 1" + "0" * 5000, r"cannot be read|finite"),
-        ("[[load]]", "[solver]\nmax_iterations = 10000000000\n[[load]]", r"less than or equal"),
-        ('[mesh]\nfile = "slab.geo"', "", r"\[mesh\] is missing"),
+        ("pressure = 300", 'pressure = {along="x", at=[1,0], values=[1,2]}', "profile_turns_back"),
+        ("[-300, 0]", "[1, 2, 3]", "traction_has_3_entries"),
+        ("traction", "pressure = 3\ntraction", "load_gives_two"),
+        ("[[load]]", "[load]", "load_is_no_list"),
+        ('"plane stress"', '"plane"', "kinematics_unknown"),
+        ("[-300, 0]", "[-300, 0", "toml_list_has_no_end"),
+        ('file = "slab.geo"', "", "mesh_file_key_is_missing"),
+        ("pressure = 300", 'pressure = {along="z", at=[0,1], values=[1,2]}', "profile_along_z"),
+        ("[-300, 0]", "[-300]", "traction_has_1_entry"),
+        ("{ x = 0 }", "{}", "displacement_has_no_entry"),
+        ("= 1000", "= 1" + "0" * 5000, "number_of_5000_digits"),
+        ("[[load]]", "[solver]\nmax_iterations = 10000000000\n[[load]]", "too_many_iterations"),
+        ('[mesh]\nfile = "slab.geo"', "", "mesh_table_is_missing"),
     ],
 )
 def test_bad_scene_gives_one_sentence_with_file_and_key(folder, old, new, message):
     assert old in GOOD
     path = write(folder, GOOD.replace(old, new, 1))
-    with pytest.raises(InputError, match=message) as error:
+    with refused(message):
         load_scene(path)
-    assert str(error.value).startswith(str(path))
-    assert "\n" not in str(error.value)
 
 
 def test_missing_and_binary_files(folder):
-    with pytest.raises(InputError, match="No such file"):
+    with refused("scene_cannot_be_read"):
         load_scene(folder / "nowhere.toml")
     if COMM.rank == 0:
         (folder / "b.toml").write_bytes(b"\xff\xfe\x00\x80")
     COMM.barrier()
-    with pytest.raises(InputError, match="UTF-8"):
+    with refused("scene_not_in_utf_8"):
         load_scene(folder / "b.toml")
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (".".join(["a"] * 5000) + " = 1", r"a\.a\.a.*tables within tables, too many"),
-        ("[" + ".".join(["a"] * 5000) + "]", "tables within tables, too many"),
-        ("a = " + "[" * 5000 + "]" * 5000, "cannot be read"),
-        ("a = 0x1" + "F" * 5000, "a = 0x1fffffffffffffffff: must be a finite"),
-        ("a = 1" + "0" * 5000, "cannot be read"),
-        ("support = [" + "{ on = 'a', displacement.x = 0 }," * 1001 + "]", "at most 1000 entries"),
-        ("load = [" + "{ on = 'a', pressure = 1 }," * 1001 + "]", "at most 1000 entries"),
-        ("contact = [" + "{ on = 'left' }," * 1001 + "]", "at most 1000 entries"),
+        (".".join(["a"] * 5000) + " = 1", "too_many_tables_within_tables"),
+        ("[" + ".".join(["a"] * 5000) + "]", "too_many_tables_within_tables"),
+        ("a = " + "[" * 5000 + "]" * 5000, "lists_too_deep"),
+        ("a = 0x1" + "F" * 5000, "number_in_hex_too_large"),
+        ("a = 1" + "0" * 5000, "number_of_5000_digits"),
+        ("support = [" + "{ on = 'a', displacement.x = 0 }," * 1001 + "]", "too_many_supports"),
+        ("load = [" + "{ on = 'a', pressure = 1 }," * 1001 + "]", "too_many_loads"),
+        ("contact = [" + "{ on = 'left' }," * 1001 + "]", "too_many_contacts"),
     ],
     ids=["keys", "table", "lists", "hex", "digits", "supports", "loads", "contacts"],
 )
 def test_scenes_beyond_all_measure_are_refused_in_one_sentence(folder, text, message):
     tables = GOOD.partition("[[support]]")[0]
     path = write(folder, f"{tables}\n{text}" if text.startswith("[") else f"{text}\n{tables}")
-    with pytest.raises(InputError, match=message) as caught:
+    with refused(message):
         load_scene(path)
-    assert "\n" not in str(caught.value) and len(str(caught.value)) < 500
 
 
 def test_a_file_without_an_end_is_no_scene():
-    with pytest.raises(InputError, match="has more than 64 MB"):
+    with refused("scene_too_large"):
         load_scene("/dev/zero")
 
 
@@ -192,28 +188,28 @@ def test_a_table_that_stands_alone_may_be_counted(folder, key):
 
 
 @pytest.mark.parametrize(
-    "setting",
+    ("setting", "said"),
     [
-        "nonsense",
-        "=3",
-        "material.1.youngs_modulus=7",
-        "discretisation.0.degree=1",
-        "contact.7.pressure=1",
-        "contact.x.pressure=1",
-        "contact.².pressure=1",
-        "title.a.b=1",
-        'accuracy."top.normal_force=1e-2',
+        ("nonsense", "setting_is_nonsense"),
+        ("=3", "setting_without_key"),
+        ("material.1.youngs_modulus=7", "setting_of_material_1"),
+        ("discretisation.0.degree=1", "setting_of_discretisation_0"),
+        ("contact.7.pressure=1", "setting_of_contact_7"),
+        ("contact.x.pressure=1", "setting_of_contact_x"),
+        ("contact.².pressure=1", "setting_of_contact_squared"),
+        ("title.a.b=1", "setting_of_a_text"),
+        ('accuracy."top.normal_force=1e-2', "setting_with_open_quote"),
     ],
 )
-def test_bad_overrides_are_named(folder, setting):
+def test_bad_overrides_are_named(folder, setting, said):
     path = write(folder, 'title = "t"\n' + GOOD)
-    with pytest.raises(InputError, match=re.escape(setting)):
+    with refused(said):
         load_scene(path, [setting])
 
 
 def test_two_contacts_of_one_name_are_refused(folder):
     path = write(folder, GOOD + '[[contact]]\non = "top"\npressure = 1\n')
-    with pytest.raises(InputError, match="two contacts are called 'top'"):
+    with refused("two_contacts_of_one_name"):
         load_scene(path)
 
 
@@ -254,54 +250,48 @@ def test_obstacle_is_a_table_of_its_contact(folder):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("radius = 8", "radus = 8", r"contact\[0\].obstacle.radus' \(did you mean 'radius'"),
-        ('"cylinder"', '"ball"', r"contact\[0\].obstacle.shape = 'ball': must be 'plane', "),
-        ("radius = 8", "", r"contact\[0\].obstacle: radius is missing for the shape 'cylinder'"),
-        ("radius = 8", "radius = -8", r"contact\[0\].obstacle.radius = -8: must be greater than 0"),
-        ("[4, 1]", "[4, 1, 0]", r"contact\[0\].obstacle.position has 3 entries; it needs 2"),
-        ("[4, 1]", "4", r"contact\[0\].obstacle.position = 4: must be a list"),
-        ("indentation", "force = 3\nindentation", r"either an indentation or a force"),
-        ("1e-8", '"soft"', r"contact\[0\].penalty_parameter = 'soft': must be .*number or 'auto'"),
-        ("1e-8", "0", r"contact\[0\].penalty_parameter = 0: must be greater than 0"),
-        ("[contact.obstacle]", "[contact.obstacles]", r"did you mean 'obstacle'"),
-        ("[mesh]", '[half_space]\non = ["bottom"]\n[mesh]', r"half_space: only the contacts'"),
+        ("radius = 8", "radus = 8", "unknown_key_radus"),
+        ("radius = 8", "", "cylinder_without_radius"),
+        ("radius = 8", "radius = -8", "radius_is_negative_in_file"),
+        ("[4, 1]", "[4, 1, 0]", "position_has_3_entries"),
+        ("[4, 1]", "4", "position_is_no_list"),
+        ("indentation", "force = 3\nindentation", "indentation_and_force_in_file"),
+        ("1e-8", '"soft"', "penalty_is_a_word"),
+        ("1e-8", "0", "penalty_is_zero"),
+        ("[contact.obstacle]", "[contact.obstacles]", "unknown_key_obstacles"),
+        ("[mesh]", '[half_space]\non = ["bottom"]\n[mesh]', "half_space_with_load_in_file"),
     ],
 )
 def test_bad_obstacle_gives_one_sentence(folder, old, new, message):
     assert old in PUNCH
     path = write(folder, PUNCH.replace(old, new, 1))
-    with pytest.raises(InputError, match=message) as error:
+    with refused(message):
         load_scene(path)
-    assert str(path) in str(error.value)
-    assert "\n" not in str(error.value)
 
 
 LOAD = Load("top", pressure=1)
-NUMBER = ": must be a number or a Profile or a function"
 
 
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: Load("top", lambda x: (0, 1)), "Load: traction = a function: must be a list"),
-        (lambda: Load("top", (1, "2")), "Load: traction[1] = '2'" + NUMBER),
-        (lambda: Load("top"), "Load: give exactly one of traction, pressure and body_force"),
-        (lambda: Load("top", (1, 2), None, None, abs, 5), "Load: too many values: it has 5 keys"),
-        (lambda: Load("top", on="top"), "Load: on is given twice"),
-        (lambda: Support("top", {"q": 0}), "Support: unknown key 'displacement.q': must be 'x', "),
-        (lambda: Support("top", {"x": 0}, 3), "Support: path = 3: must be a Path or a function"),
-        (lambda: Steps(number=2.5), "Steps: number = 2.5: must be a whole number"),
-        (lambda: Steps(automatic=1), "Steps: automatic = 1: must be True or False"),
-        (lambda: SolverSettings(stratgy="auto"), "SolverSettings: unknown key 'stratgy' (did "),
-        (lambda: Scene(kinematics="3D"), "Scene: the key 'material' is missing"),
-        (lambda: Obstacle("plane", normal=(0, 0)), "Obstacle: normal must not be a zero vector"),
-        (lambda: dataclasses.replace(LOAD, pressure="2"), "Load: pressure = '2'" + NUMBER),
+        (lambda: Load("top", lambda x: (0, 1)), "traction_is_a_function"),
+        (lambda: Load("top", (1, "2")), "traction_has_a_text"),
+        (lambda: Load("top"), "load_gives_none"),
+        (lambda: Load("top", (1, 2), None, None, abs, *[None] * 6, 5), "load_has_too_many_values"),
+        (lambda: Load("top", on="top"), "load_on_given_twice"),
+        (lambda: Support("top", {"q": 0}), "unknown_axis_q"),
+        (lambda: Support("top", {"x": 0}, 3), "path_is_a_number"),
+        (lambda: Steps(number=2.5), "number_of_steps_is_no_whole_number"),
+        (lambda: Steps(automatic=1), "automatic_is_a_number"),
+        (lambda: SolverSettings(stratgy="auto"), "unknown_key_stratgy"),
+        (lambda: Scene(kinematics="3D"), "material_is_missing"),
+        (lambda: Obstacle("plane", normal=(0, 0)), "normal_is_zero"),
+        (lambda: dataclasses.replace(LOAD, pressure="2"), "pressure_is_a_text"),
     ],
 )
 def test_what_python_gives_is_refused_in_one_sentence(make, said):
-    with pytest.raises(InputError) as caught:
+    with refused(said) as caught:
         make()
-    assert str(caught.value).startswith(said)
-    assert "\n" not in str(caught.value) and "pydantic" not in str(caught.value)
     assert isinstance(caught.value, ValueError)  # as Python's own are
     assert caught.value.__suppress_context__

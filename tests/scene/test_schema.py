@@ -22,7 +22,7 @@ SCHEMA = scene_schema()
 FILES = [
     *sorted((ROOT / "demos").glob("*.toml")),
     *sorted((ROOT / "docs").rglob("*.toml")),
-    *(path for path in sorted((ROOT / "tests").rglob("*.toml"))),
+    *sorted((ROOT / "tests").glob("*/**/*.toml")),
     *templates().values(),
 ]
 

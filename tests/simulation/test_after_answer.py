@@ -12,11 +12,11 @@ from fenics_contact.analyses.derivatives.table import DerivativeRequest
 from fenics_contact.cli import commands
 from fenics_contact.common.errors import MachineError, NotConvergedError, StoppedError
 from fenics_contact.common.failures import attempt
-from fenics_contact.simulation import end_of_run, result_of_run, verdict
+from fenics_contact.simulation import end_of_run, verdict
 from fenics_contact.simulation.output import run_folder as files
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.state_file import StateFile
 from fenics_contact.simulation.step_history import LinearRange
-from fenics_contact.trust.checks import run_checks
+from fenics_contact.trust import run_checks
 from fenics_contact.trust.error_estimates import budget, estimates
 from tests.common.test_failures import on_two_ranks, pressed
 from tests.simulation.studies.cases import ON_A_FLOOR, square
@@ -62,7 +62,7 @@ PIECES = {
     "derivatives": (derivatives, "asked_derivatives", "No derivatives: "),
     "tolerances": (derivatives, "uncertainties", "No uncertainties: "),
     "remarks": (verdict, "slid_far", "Some of what limits the answer was not looked at: "),
-    "cycles": (result_of_run, "cycles_record", "Losses of cycles were not found: "),
+    "cycles": (end_of_run, "cycles_record", "Losses of cycles were not found: "),
     "fields": (files.FieldSeries, "write", "Fields were not written: "),
 }
 
@@ -71,13 +71,29 @@ ASKED = {
     "derivatives": {"derivatives": DerivativeRequest(("normal_force",), (BY,))},
     "modes": {"modes": Modes(number=2)},
 }
+OF_ROUND_OFF = ("checks", "iteration", "outer_contraction", "residual_history")
 NOT_OF_ANSWER = ("derivatives", "uncertainty", "modes", "damping", "timings", "verdict")
+
+
+def _rounded(found):
+    """What is found, without costs and values below 1e-10, to five digits."""
+    if isinstance(found, dict):
+        return {key: _rounded(one) for key, one in found.items() if key not in OF_ROUND_OFF}
+    if isinstance(found, list | tuple):
+        return [_rounded(one) for one in found]
+    if isinstance(found, float):
+        return float(f"{found:.5g}") if abs(found) > 1e-10 else 0.0
+    return found
 
 
 @pytest.mark.errors
 @pytest.mark.parametrize("asked", ASKED)
 def test_what_is_asked_besides_does_not_change_the_answer(asked):
-    """Not by a bit: quantities, errors, checks, the way to them, the solver and its reason."""
+    """Not by a bit on one rank: quantities, errors, checks, the way to them, the solver's reason.
+
+    On several ranks a factorisation adds what arrives in the order in which it arrives, so that two
+    equal runs differ by round-off.
+    """
     material = tuple(replace(one, density=1e-3) for one in ON_A_FLOOR.material)
     contact = (replace(ON_A_FLOOR.contact[0], law="incremental"),)
     scene = replace(ON_A_FLOOR, material=material, contact=contact)
@@ -88,7 +104,9 @@ def test_what_is_asked_besides_does_not_change_the_answer(asked):
     for one in (alone, asking):
         for key in NOT_OF_ANSWER:
             one.pop(key, None)
-    assert json.dumps(asking) == json.dumps(alone)
+    if COMM.size == 1:
+        assert json.dumps(asking) == json.dumps(alone)
+    assert _rounded(asking) == _rounded(alone)
 
 
 @pytest.mark.errors

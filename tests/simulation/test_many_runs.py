@@ -22,7 +22,7 @@ from fenics_contact import (
 )
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.simulation.output.run_folder import solve_and_write
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.state_file import StateFile
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD

@@ -49,6 +49,9 @@ def require_same(scene, body, tolerance=1e-8):
             scale = np.abs([support["reaction"] for support in supports]).max(initial=0)
         if name == "friction_force":
             scale = max(scale, by_full.quantities["pressure_integral"])
+        if name == "contact_moment":
+            extent = max(contact.trace.extent() for contact in full.problem.contacts)
+            scale = max(scale, by_full.quantities["pressure_integral"] * extent)
         allowed = tolerance * scale
         if name == "max_contact_pressure":
             allowed += largest

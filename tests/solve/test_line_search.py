@@ -13,7 +13,7 @@ from fenics_contact import (
     Support,
     run,
 )
-from fenics_contact.solve.line_search import search_by_secants, share_of_step
+from fenics_contact.solve.globalisation import search_by_secants, share_of_step
 from tests.scenes import box_body
 
 

@@ -10,16 +10,19 @@ import pytest
 from fenics_contact import Contact, Material, Obstacle, Scene, Support
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.solver_choice import contact_unknowns, memory_estimate, memory_terms
+from fenics_contact.verification import memory_check as check
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.memory import check
-from fenics_contact.verification.memory.blocks import (
+from fenics_contact.verification.memory_check import (
+    COUNTS_FROM,
     FLAT,
+    LEAST,
+    MOST,
     Seat,
     body_of_seat,
+    measured,
     scene_of_seat,
     square,
 )
-from fenics_contact.verification.memory.check import COUNTS_FROM, LEAST, MOST, measured
 from tests.conftest import COMM
 from tests.scenes import box_body
 

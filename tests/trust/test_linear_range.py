@@ -27,8 +27,8 @@ from fenics_contact.cli.summary import print_result
 from fenics_contact.report.page.tables import checks_table
 from fenics_contact.results.check_messages import failure
 from fenics_contact.solve.load_steps.load_stepper import solve
-from fenics_contact.trust.linear_range import LinearRange, linear_range
-from fenics_contact.trust.strain_zones import TURNED, Zone, exceeded
+from fenics_contact.trust.linear_range import TURNED, LinearRange, exceeded, linear_range
+from fenics_contact.trust.strain_zones import Zone
 from tests.scenes import ROOT, box_body, slab
 from tests.wrong_answers import with_body
 

@@ -17,6 +17,7 @@ from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.verification import Case, Finding
 from fenics_contact.verification.command import verify
+from tests.messages import says
 
 COMM = MPI.COMM_WORLD
 KEYS = {
@@ -278,8 +279,11 @@ def test_two_bodies(name):
 def test_surface_taken_to_the_nearest_nodes_fails_the_patch_test(monkeypatch):
     """Forces are in balance, and yet no uniform pressure crosses meshes that do not match."""
     from fenics_contact.contact.mortar import pairing
-    from fenics_contact.contact.mortar.integrals import MortarIntegrals
-    from fenics_contact.contact.mortar.projection import NodalProjection, Projection
+    from fenics_contact.contact.mortar.projection import (
+        MortarIntegrals,
+        NodalProjection,
+        Projection,
+    )
     from fenics_contact.contact.mortar.spread_projection import SlaveRows
 
     class Nearest:
@@ -327,13 +331,13 @@ def test_unknown_name_lists_all_in_lines_and_exit_2(capsys, arguments):
 
 def test_name_that_is_misspelt_has_a_hint(capsys):
     assert main(["verify", "slap"]) == 2
-    assert "no case 'slap'; did you mean slab?\n" in COMM.bcast(capsys.readouterr().err)
+    says("no_case_slap", COMM.bcast(capsys.readouterr().err))
 
 
 def test_file_in_no_folder_is_refused_before_any_work(folder, capsys):
     assert main(["verify", "--json", str(folder / "none" / "found.json")]) == 2
     said = capsys.readouterr()
-    assert "a folder that can be written to" in COMM.bcast(said.err)
+    says("verified_into_no_folder", COMM.bcast(said.err))
     assert said.out == ""
 
 

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support, run
 from fenics_contact.common.parallel import total
-from fenics_contact.trust.checks.friction import recovered_friction
+from fenics_contact.trust.friction_checks import recovered_friction
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD

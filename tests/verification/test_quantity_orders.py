@@ -11,10 +11,10 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Run
-from fenics_contact.verification.error_bars import bodies as body_cases
 from fenics_contact.verification.error_bars import flat as flat_cases
 from fenics_contact.verification.error_bars import round as round_cases
 from fenics_contact.verification.error_bars.case import Parameters, size_of, with_parameters
+from fenics_contact.verification.error_bars.cyclic import cylinders, finer_cylinders
 
 COMM = MPI.COMM_WORLD
 # It adds less than the finest mesh's error, and round-off over it adds less, too.
@@ -95,8 +95,8 @@ def test_contact_with_a_moving_edge():
 
 def test_two_bodies():
     """Cylinders: order 2 with degree 1, of force and energy."""
-    reference = Run(body_cases.finer_cylinders(0, 1.0).scene).solve().quantities
+    reference = Run(finer_cylinders(0, 1.0).scene).solve().quantities
     exact = {name: reference[name] for name in ("normal_force", "strain_energy")}
-    found = orders(lambda e, n: body_cases.cylinders(e, n, 1.0), exact, "Q1", (1, 2, 4))
+    found = orders(lambda e, n: cylinders(e, n, 1.0), exact, "Q1", (1, 2, 4))
     for name in exact:
         assert found[name] == pytest.approx(2, abs=0.4), name

@@ -219,8 +219,8 @@ def test_quarter_by_symmetry_is_a_quarter_of_the_whole():
         )
         return run(scene, COMM, box_body(cells, size))
 
-    quarter = pressed((4, 4, 4), (1, 1, 1), ("x0", "y0"), (0, 0))
-    whole = pressed((8, 8, 4), (2, 2, 1), (), (1, 1))
+    quarter = pressed((3, 3, 2), (1, 1, 1), ("x0", "y0"), (0, 0))
+    whole = pressed((6, 6, 2), (2, 2, 1), (), (1, 1))
     assert quarter.model["symmetry"] == "quarter (x = 0, y = 0)"
     for key in ("normal_force", "contact_area", "strain_energy"):
         assert whole.quantities[key] == pytest.approx(4 * quarter.quantities[key], rel=1e-8)

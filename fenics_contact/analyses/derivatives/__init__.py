@@ -1,6 +1,6 @@
 """Derivatives of quantities in numbers of the scene, and what tolerances of these make of them."""
 
-from fenics_contact.analyses.analysis import Analysis
+from fenics_contact.analyses.registry import Analysis
 
 ANALYSIS = Analysis(
     package=__name__,

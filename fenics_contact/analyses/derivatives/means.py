@@ -7,19 +7,17 @@ exact derivatives are averaged instead, along a multiple of all that loads the s
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from fenics_contact.analyses.derivatives.drive import driven
-from fenics_contact.analyses.derivatives.window_answers import (
-    WindowAnswer,
-    WindowAnswers,
-)
 from fenics_contact.analyses.derivatives.windows import (
     INTERVALS,
     INTERVALS_OF_AREAS,
     Answers,
     Window,
+    WindowAnswer,
+    WindowAnswers,
     find_window,
 )
 from fenics_contact.body.description import BodyDescription
@@ -27,10 +25,11 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, PRESSURE_INTEGRAL, STRAIN_ENERGY
+from fenics_contact.scene.contact import Contact
+from fenics_contact.scene.loading.load_kinds import times
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives
-from fenics_contact.simulation.sensitivities.values import found_in, numbered
-from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.simulation.sensitivities.scene_values import found_in, numbered, with_changes
 from fenics_contact.simulation.studies.kept_body import KeptBody
 from fenics_contact.simulation.studies.solved_derivatives import (
     SolvedDerivatives,
@@ -89,11 +88,7 @@ class Means:
         return None if self._middle is None else self._middle.values.get(name)
 
     def by(self, key: str) -> Mapping[str, Mean]:
-        """Return the mean derivatives by a number, of each quantity that has one; collective.
-
-        Args:
-            key: Of the number.
-        """
+        """Return the mean derivatives by a number, of each quantity that has one; collective."""
         if self._middle is None:
             return {}
         number = float(found_in(self._scene, key))
@@ -224,3 +219,34 @@ class Means:
         except (InputError, NotConvergedError):
             return [], window
         return samples, window
+
+
+def driven(scene: Scene, factor: float) -> Scene:
+    """The scene with loads, given displacements, pressures, obstacles and preloads times a factor.
+
+    Args:
+        scene: A scene.
+        factor: 1 leaves it as it is.
+    """
+    supports = [one.times(factor) for one in scene.support]
+    loads = [one.times(factor) for one in scene.load]
+    preloads = [replace(one, force=factor * one.force) for one in scene.preload]
+    return replace(
+        scene,
+        support=tuple(supports),
+        load=tuple(loads),
+        preload=tuple(preloads),
+        contact=tuple(_contact(one, factor) for one in scene.contact),
+    )
+
+
+def _contact(contact: Contact, factor: float) -> Contact:
+    changes: dict[str, Any] = {"interference": times(contact.interference, factor)}
+    if contact.pressure is not None:
+        changes["pressure"] = times(contact.pressure, factor)
+    if contact.obstacle is not None:
+        names = ("indentation", "force", "displacement")
+        found = {name: getattr(contact.obstacle, name) for name in names}
+        moved = {name: times(value, factor) for name, value in found.items() if value is not None}
+        changes["obstacle"] = replace(contact.obstacle, **moved)
+    return replace(contact, **changes)

@@ -11,7 +11,7 @@ from fenics_contact.analyses.derivatives.words import (
     notes_on_derivatives,
     uncertainty_rows,
 )
-from fenics_contact.report.page.analysis_page import AnalysisPage, AnalysisSection
+from fenics_contact.report.page.page import AnalysisPage, AnalysisSection
 from fenics_contact.report.page.templates import bar, table
 from fenics_contact.results.records.run import Outcome, RunRecord
 
@@ -30,11 +30,7 @@ class _DerivativePage(AnalysisPage):
 
 
 def sensitivity_charts(result: Outcome) -> Iterator[tuple[str, Markup]]:
-    """Return a table of bars of the normalised derivatives of each quantity, the largest first.
-
-    Args:
-        result: With derivatives.
-    """
+    """Return a table of bars of the normalised derivatives of each quantity, the largest first."""
     for name, slopes in result.derivatives.items():
         sizes = {key: found.normalised for key, found in slopes.items()}
         known = {key: size for key, size in sizes.items() if size is not None}

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from fenics_contact.quantities import table
-from fenics_contact.scene.accuracy import flat_names
+from fenics_contact.scene.core_scene import CoreScene
+from fenics_contact.scene.settings import flat_names
 from fenics_contact.scene.values import Text, scene_class
-
-if TYPE_CHECKING:
-    from fenics_contact.scene.scene import Scene
 
 _Names = tuple[Text, ...]
 
@@ -65,7 +63,13 @@ def as_tolerances(value: Any) -> Any:
     return found
 
 
-def require(scene: Scene) -> None:
+class _AskingForDerivatives(CoreScene):
+    """A scene with one of these tables."""
+
+    derivatives: DerivativeRequest | None
+
+
+def require(scene: _AskingForDerivatives) -> None:
     """Refuse tolerances alone, and quantities that are none of the scene, or vectors.
 
     Raises:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fenics_contact.analyses.derivatives.record import Derivative, Uncertainty
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words, rounded
-from fenics_contact.results.words.tables import AnalysisWords, Rows
+from fenics_contact.results.rounding import UNKNOWN, bar_in_words, rounded
+from fenics_contact.results.tables import AnalysisWords, Rows
 
 _HEAD = ["derivative of, by", "value", "±", "discrete"]
 
@@ -15,9 +15,6 @@ def derivative_rows(result: Outcome) -> list[list[str]]:
 
     Each quantity has a row, and below it one for each number that it is derived by: both names
     beside each other would be wider than a terminal.
-
-    Args:
-        result: The result.
     """
     rows = [_HEAD]
     for name, by_key in result.derivatives.items():
@@ -27,11 +24,7 @@ def derivative_rows(result: Outcome) -> list[list[str]]:
 
 
 def notes_on_derivatives(result: Outcome) -> list[str]:
-    """Return remarks on the derivatives, in sentences.
-
-    Args:
-        result: The result.
-    """
+    """Return remarks on the derivatives, in sentences."""
     found = [
         key
         for by_key in result.derivatives.values()
@@ -62,11 +55,7 @@ def _discrete(found: Derivative) -> str:
 
 
 def uncertainty_rows(result: Outcome) -> list[list[str]]:
-    """A table of what tolerances and the mesh make of each quantity; empty without tolerances.
-
-    Args:
-        result: The result.
-    """
+    """A table of what tolerances and the mesh make of each quantity; empty without tolerances."""
     rows = [
         [
             name,

@@ -1,6 +1,6 @@
 """Fretting: criteria of fatigue by the history of stress near contacts, over a cycle of loads."""
 
-from fenics_contact.analyses.analysis import Analysis
+from fenics_contact.analyses.registry import Analysis
 
 ANALYSIS = Analysis(
     package=__name__,

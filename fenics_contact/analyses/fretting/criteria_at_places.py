@@ -9,11 +9,9 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
-from fenics_contact.analyses.fretting.history import StressHistory
-from fenics_contact.analyses.fretting.places import FrettingPlaces
-from fenics_contact.analyses.fretting.record import FrettingRecord, WorstPlace
+from fenics_contact.analyses.fretting.history import Cells, StressHistory, tensors
+from fenics_contact.analyses.fretting.record import FrettingPlaces, FrettingRecord, WorstPlace
 from fenics_contact.analyses.fretting.recovery import Recovery
-from fenics_contact.analyses.fretting.region import Cells, tensors
 from fenics_contact.analyses.fretting.table import Fretting
 from fenics_contact.analytic import fatigue_criteria as criteria
 from fenics_contact.analytic.critical_plane import StrainLife, swt

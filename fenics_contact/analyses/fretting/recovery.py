@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from fenics_contact.analyses.fretting.region import Cells
+from fenics_contact.analyses.fretting.history import Cells
 from fenics_contact.common.arrays import Array, Integers
 
 # Singular values of a fit, over the largest, below which its samples do not fix it.
@@ -50,22 +50,14 @@ class Recovery:
         self._axes = np.flatnonzero(spread > 0)
 
     def weights(self, chosen: Integers) -> tuple[csr_matrix, csr_matrix]:
-        """Return weights of samples at places, (chosen, cells · samples), the better ones first.
-
-        Args:
-            chosen: Numbers of the places.
-        """
+        """Return weights of samples at places, (chosen, cells · samples), the better ones first."""
         shape = (len(chosen), self._cells.samples.shape[0] * self._cells.samples.shape[1])
         better = [self._fitted(place) for place in chosen.tolist()]
         plainer = [self._averaged(place) for place in chosen.tolist()]
         return _sparse(better, shape), _sparse(plainer, shape)
 
     def neighbours(self, chosen: Integers) -> csr_matrix:
-        """Return whether two of some places share a cell, each with itself, (chosen, chosen).
-
-        Args:
-            chosen: Numbers of the places.
-        """
+        """Return whether two of some places share a cell, each with itself, (chosen, chosen)."""
         cells = self._cells_of_place[chosen]
         return csr_matrix(cells @ cells.T)
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
+from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.units.dimensions import LENGTH, STRESS
 from fenics_contact.scene.values import Number, Positive, scene_class
-
-if TYPE_CHECKING:
-    from fenics_contact.scene.scene import Scene
 
 
 @scene_class
@@ -96,15 +94,19 @@ class Fretting:
     ] = None
 
 
-def require(scene: Scene) -> None:
+class _AskingForFretting(CoreScene):
+    """A scene with this table."""
+
+    fretting: Fretting
+
+
+def require(scene: _AskingForFretting) -> None:
     """Refuse to look for fretting where there is none, or without the numbers that it takes.
 
     Raises:
         ValueError: In words.
     """
     fretting = scene.fretting
-    if fretting is None:
-        return
     if not scene.contact:
         raise ValueError("fretting: the scene has no contact; give it one, or leave fretting out")
     if fretting.begin > 0 and cycles_of(scene) is not None:

@@ -1,4 +1,4 @@
-"""Fretting in words: what will be looked at, and what came out."""
+"""Fretting in words, and the table that a run writes of it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from fenics_contact.analyses.fretting.record import FrettingRecord
 from fenics_contact.analyses.fretting.table import Fretting
 from fenics_contact.results.records.record import ErrorRow, UnitsRecord
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.words.rounding import UNKNOWN, bar_in_words
-from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
+from fenics_contact.results.result import Result
+from fenics_contact.results.rounding import UNKNOWN, bar_in_words
+from fenics_contact.results.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import UnitNames
 
@@ -91,6 +92,10 @@ class _FrettingWords(AnalysisWords):
 
     def tables(self, result: Outcome) -> list[Rows]:
         return [fretting_rows(result.fretting, result.units)]
+
+    def files(self, result: Result) -> dict[str, Rows]:
+        places = result.fretting_places
+        return {} if places is None else {"fretting.csv": places.rows()}
 
 
 WORDS = _FrettingWords()

@@ -1,6 +1,6 @@
 """Whether bodies slide steadily or begin to squeal: complex modes about a state of sliding."""
 
-from fenics_contact.analyses.analysis import Analysis
+from fenics_contact.analyses.registry import Analysis
 
 ANALYSIS = Analysis(
     package=__name__,

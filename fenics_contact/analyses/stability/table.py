@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pydantic import Field
 
+from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.loading.motion import Rayleigh
 from fenics_contact.scene.values import Integer, Positive, scene_class
-
-if TYPE_CHECKING:
-    from fenics_contact.scene.scene import Scene
 
 
 @scene_class
@@ -51,14 +49,12 @@ class Stability:
         return tuple(round(self.up_to * number / last, 12) for number in range(self.points))
 
 
-def require(scene: Scene) -> None:
+def require(scene: CoreScene) -> None:
     """Refuse a scene whose steady sliding cannot be examined.
 
     Raises:
         ValueError: In words.
     """
-    if scene.stability is None:
-        return
     others = {
         "half_space": scene.half_space is not None,
         "cycles": scene.cycles is not None,

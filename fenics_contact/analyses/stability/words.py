@@ -1,11 +1,12 @@
-"""Modes of bodies that slide steadily, as rows of a table and in a sentence."""
+"""Modes of bodies that slide steadily: rows of a table, a sentence, and the file of them."""
 
 from __future__ import annotations
 
 from fenics_contact.analyses.stability.record import StabilityRecord
 from fenics_contact.results.records.record import NO_UNITS, UnitsRecord
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
+from fenics_contact.results.result import Result
+from fenics_contact.results.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import UnitNames
 
@@ -14,11 +15,7 @@ _RATE, _FREQUENCY = "1/time", "cycles/time"
 
 
 def stability_rows(result: Outcome) -> list[list[str]]:
-    """A table of all modes, its head first; empty where none were asked for.
-
-    Args:
-        result: The result.
-    """
+    """A table of all modes, its head first; empty where none were asked for."""
     if result.stability is None:
         return []
     units = result.units
@@ -83,5 +80,21 @@ class _StabilityWords(AnalysisWords):
     def tables(self, result: Outcome) -> list[Rows]:
         return [stability_rows(result)]
 
+    def files(self, result: Result) -> dict[str, Rows]:
+        found = result.stability
+        return {"stability.csv": curve_rows(found)} if found is not None and found.curve else {}
+
 
 WORDS = _StabilityWords()
+
+
+def curve_rows(found: StabilityRecord) -> list[list[str]]:
+    """The rows of ``stability.csv``, its header first: one a coefficient and mode."""
+    rows = [["friction_coefficient", "mode", "frequency", "growth_rate"]]
+    for point in found.curve:
+        pairs = zip(point.frequencies, point.growth_rates, strict=True)
+        for number, (frequency, rate) in enumerate(pairs, start=1):
+            values = (point.friction_coefficient, frequency, rate)
+            coefficient, *numbers = (repr(float(value)) for value in values)
+            rows.append([coefficient, str(number), *numbers])
+    return rows

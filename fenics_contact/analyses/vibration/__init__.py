@@ -6,7 +6,7 @@ J.-L. Dion, Int. J. Mech. Sci. 75 (2013) 170-177; R. M. Lacayo and M. S. Allen, 
 Process. 118 (2019) 133-157).
 """
 
-from fenics_contact.analyses.analysis import Analysis
+from fenics_contact.analyses.registry import Analysis
 
 ANALYSIS = Analysis(
     package=__name__,

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pydantic import Field
 
+from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.units.dimensions import LENGTH
 from fenics_contact.scene.values import Integer, Number, Positive, Text, scene_class
-
-if TYPE_CHECKING:
-    from fenics_contact.scene.scene import Scene
 
 
 @scene_class
@@ -80,17 +78,22 @@ class Damping:
             raise ValueError(f"increments = {self.increments} must be a multiple of 4")
 
 
-def require(scene: Scene) -> None:
+class _AskingForModes(CoreScene):
+    """A scene with one of these tables."""
+
+    modes: Modes | None
+    damping: Damping | None
+
+
+def require(scene: _AskingForModes) -> None:
     """Refuse a scene whose modes or damping cannot be found.
 
     Raises:
         ValueError: Densities or modes are missing, the body has no end, or friction has no memory.
     """
     modes, damping = scene.modes, scene.damping
-    if damping is not None and modes is None:
-        raise ValueError("damping: say by [modes] how many modes are to be found")
     if modes is None:
-        return
+        raise ValueError("damping: say by [modes] how many modes are to be found")
     if scene.half_space is not None:
         raise ValueError("modes: a half-space has none; take a body of finite size")
     for number, material in enumerate(scene.material):

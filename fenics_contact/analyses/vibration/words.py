@@ -1,12 +1,16 @@
-"""Modes, and what joints damp of them, as rows of tables."""
+"""Modes, and what joints damp of them, as rows of tables on terminals and in a file."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from fenics_contact.analyses.vibration.record import DampingRecord
 from fenics_contact.analyses.vibration.table import Damping
 from fenics_contact.results.records.record import Errors
 from fenics_contact.results.records.run import Outcome
-from fenics_contact.results.words.rounding import bar_in_words
-from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
+from fenics_contact.results.result import Result
+from fenics_contact.results.rounding import bar_in_words
+from fenics_contact.results.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import UnitNames
 
@@ -17,11 +21,7 @@ def _bar(errors: Errors, name: str) -> str:
 
 
 def mode_rows(result: Outcome) -> list[list[str]]:
-    """A table of all modes, its head first; empty where none were asked for.
-
-    Args:
-        result: The result.
-    """
+    """A table of all modes, its head first; empty where none were asked for."""
     frequency = headed("natural frequency", "cycles/time", result.units)
     head = ["mode", frequency, "±", headed("modal mass", "mass", result.units)]
     rows = [
@@ -37,11 +37,7 @@ def mode_rows(result: Outcome) -> list[list[str]]:
 
 
 def damping_rows(result: Outcome) -> list[list[str]]:
-    """A table of all amplitudes of all modes that were driven, its head first, or nothing.
-
-    Args:
-        result: The result.
-    """
+    """A table of all amplitudes of all modes that were driven, its head first, or nothing."""
     if not result.damping:
         return []
     units = result.units
@@ -93,6 +89,9 @@ class _VibrationWords(AnalysisWords):
     def tables(self, result: Outcome) -> list[Rows]:
         return [mode_rows(result), damping_rows(result)]
 
+    def files(self, result: Result) -> dict[str, Rows]:
+        return {"damping.csv": damping_file(result.damping)} if result.damping else {}
+
 
 def _damping_plan(driven: Damping, units: UnitNames | None) -> str:
     """Return a line on the modes that are driven, and how far."""
@@ -106,3 +105,30 @@ def _damping_plan(driven: Damping, units: UnitNames | None) -> str:
 
 
 WORDS = _VibrationWords()
+
+
+def damping_file(found: Sequence[DampingRecord]) -> list[list[str]]:
+    """The rows of ``damping.csv``, its header first: one a mode and amplitude.
+
+    Bars stand in ``…_error``, which is empty where they were not estimated.
+
+    Args:
+        found: At least one.
+    """
+    names = [name for name in found[0] if name not in ("by", "contacts", "errors")]
+    contacts, keys = list(found[0].contacts), list(found[0].by)
+    bars = ("natural_frequency", "damping_ratio", "loss")
+    rows = [
+        [
+            *(*keys, *names),
+            *(f"{contact}.loss" for contact in contacts),
+            *(f"{name}_error" for name in bars),
+        ]
+    ]
+    for one in found:
+        values = [one.by[key] for key in keys] + [one[name] for name in names]
+        values += [one.contacts[name] for name in contacts]
+        known = [one.errors.get(name, {}).get("total") for name in bars]
+        values += ["" if error is None else error for error in known]
+        rows.append([value if isinstance(value, str) else repr(value) for value in values])
+    return rows

@@ -1,6 +1,6 @@
 """Cycles of loads that wear: some are computed, the others passed over by what these wear."""
 
-from fenics_contact.analyses.analysis import Analysis
+from fenics_contact.analyses.registry import Analysis
 
 ANALYSIS = Analysis(
     package=__name__,

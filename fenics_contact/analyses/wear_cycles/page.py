@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fenics_contact.analyses.wear_cycles.film import FEWEST_CYCLES, draw_wear_film
-from fenics_contact.analyses.wear_cycles.pictures import draw_wear
+from fenics_contact.analyses.wear_cycles.pictures import FEWEST_CYCLES, draw_wear, draw_wear_film
 from fenics_contact.analyses.wear_cycles.worn_history import (
     HISTORY,
     PROFILES,
@@ -24,13 +23,12 @@ from fenics_contact.quantities.names import (
 )
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.drawing.units import in_units, with_unit
+from fenics_contact.report.drawing.style import in_units, with_unit
 from fenics_contact.report.gallery import require
-from fenics_contact.report.page.analysis_page import AnalysisPage
-from fenics_contact.report.page.page import style_sheet
-from fenics_contact.report.page.templates import render, table
-from fenics_contact.results.result_file import read_result
-from fenics_contact.results.words.rounding import rounded
+from fenics_contact.report.page.page import AnalysisPage
+from fenics_contact.report.page.templates import render, style_sheet, table
+from fenics_contact.results.result import read_result
+from fenics_contact.results.rounding import rounded
 
 _MOST_ROWS = 20
 # Deepest wear over half its width from which gaps along the unworn normals are no longer theirs.

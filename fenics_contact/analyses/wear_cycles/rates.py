@@ -12,7 +12,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, SLIP
 from fenics_contact.quantities.names import MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +91,7 @@ class Sticking:
         self._slipped = [np.zeros(len(c.trace.weights), dtype=bool) for c in contacts]
 
     def follow(self, solution: Solution) -> None:
-        """Count a load step in.
-
-        Args:
-            solution: Of it.
-        """
+        """Count a load step in."""
         for touched, slipped, state in zip(
             self._touched, self._slipped, solution.states, strict=True
         ):

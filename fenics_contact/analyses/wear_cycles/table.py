@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pydantic import Field
 
 from fenics_contact.analyses import registry
+from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
-from fenics_contact.scene.steps import Steps
+from fenics_contact.scene.settings import Steps
 from fenics_contact.scene.values import Integer, Number, scene_class
-
-if TYPE_CHECKING:
-    from fenics_contact.scene.scene import Scene
 
 #: Why none of its load steps can be taken by those who take one after the other.
 ONE_BY_ONE = (
@@ -53,7 +51,7 @@ class CycleJump:
     ] = None
 
 
-def require(scene: Scene) -> None:
+def require(scene: CoreScene) -> None:
     """Refuse a scene whose cycles cannot be passed over.
 
     Raises:
@@ -85,7 +83,7 @@ def require(scene: Scene) -> None:
             )
 
 
-def load_steps(scene: Scene) -> Steps:
+def load_steps(scene: CoreScene) -> Steps:
     """Load steps of a run, of which each is the end of a cycle."""
     assert scene.cycles is not None
     return Steps(times=scene.cycles.repetition.ends)

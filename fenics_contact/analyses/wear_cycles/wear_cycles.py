@@ -26,10 +26,10 @@ from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.quantities.names import FRICTION_WORK, MAX_WEAR_DEPTH, WORN_VOLUME
-from fenics_contact.scene.steps import Steps
+from fenics_contact.scene.settings import Steps
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.linear_range import worn_share
 
 logger = logging.getLogger(__name__)
@@ -78,9 +78,6 @@ class WearCycles(StepListener):
 
     def run(self, cycles: int) -> Iterator[WearCycle]:
         """Each cycle that is computed and counts, the last one among them.
-
-        Args:
-            cycles: How many there are.
 
         Raises:
             NotConvergedError: A load step of a cycle; all is as at the end of the last one that
@@ -303,12 +300,7 @@ class _Ahead:
 
 
 def with_depths(contacts: list[ContactSurface], rates: Rates) -> Solution:
-    """The end of a cycle with what is worn then, without the slip that none of them has.
-
-    Args:
-        contacts: Of the problem.
-        rates: Of the cycle.
-    """
+    """The end of a cycle with what is worn then, without the slip that none of them has."""
     states = [
         _with_depth(state, depth + more) if contact.wear.wears else state
         for contact, state, depth, more in zip(

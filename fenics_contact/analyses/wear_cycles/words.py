@@ -1,12 +1,13 @@
-"""Cycles that wear in words: how many are passed over, and by how much that may be off."""
+"""Cycles that wear in words, and their losses, from the records of load steps."""
 
 from __future__ import annotations
 
-from fenics_contact.quantities.names import CONTACT_AREA, MAX_WEAR_DEPTH, WORN_VOLUME
-from fenics_contact.results.records.cycles import CyclesRecord
+from collections.abc import Sequence
+
+from fenics_contact.quantities.names import CONTACT_AREA, FRICTION_WORK, MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.results.records.record import UnitsRecord
-from fenics_contact.results.records.steps import StepRecord
-from fenics_contact.results.words.tables import AnalysisWords, Rows, headed
+from fenics_contact.results.records.steps import CycleRecord, CyclesRecord, StepRecord
+from fenics_contact.results.tables import AnalysisWords, Rows, headed
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.units.dimensions import UnitNames
 
@@ -73,3 +74,31 @@ class _WearWords(AnalysisWords):
 
 
 WORDS = _WearWords()
+
+
+def cycles_record(steps: Sequence[StepRecord], cycles: Cycles) -> CyclesRecord:
+    """``cycles`` of ``result.json``, where only the last load step of each cycle is known."""
+    each = []
+    for number, step in enumerate(steps, start=1):
+        end = step.cycle
+        assert end is not None and end.worn is not None
+        each.append(
+            CycleRecord(
+                **end,
+                steps=[number, number],
+                loss=float(sum(end.worn.losses.values())),
+                work=None,
+                contacts=end.worn.losses,
+                errors={"total": None},
+            )
+        )
+    works = [step.quantities[FRICTION_WORK] for step in (steps[0], steps[-1])]
+    return CyclesRecord(
+        kind="",
+        closed_in=None,
+        number=cycles.number,
+        computed=len(each),
+        loss=works[1] - works[0] + each[0].loss,
+        each=each,
+        errors={"total": None},
+    )

@@ -56,31 +56,18 @@ class WornHistory:
         return self.columns["cycle"].astype(np.int64)
 
     def of_contact(self, number: int, name: str) -> Array:
-        """A quantity of a contact at the ends of the cycles, (cycles,).
-
-        Args:
-            number: Of the contact.
-            name: Of the quantity.
-        """
+        """A quantity of a contact at the ends of the cycles, (cycles,)."""
         return self.columns[self._name(number, name)]
 
     def sticking(self, number: int) -> Array:
-        """Area that never slips in a cycle, (cycles,).
-
-        Args:
-            number: Of the contact.
-        """
+        """Area that never slips in a cycle, (cycles,)."""
         return self.of_contact(number, "stick_area_of_cycle")
 
     def _name(self, number: int, name: str) -> str:
         return name if len(self.contacts) == 1 else f"contact.{number}.{name}"
 
     def title(self, contact: int) -> str:
-        """Return the title of a contact in pictures; empty for the only one.
-
-        Args:
-            contact: Its number.
-        """
+        """Return the title of a contact in pictures; empty for the only one."""
         if len(self.contacts) == 1:
             return ""
         return f"'{self.names[contact]}'" if self.names else f"contact {contact}"

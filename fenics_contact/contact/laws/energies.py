@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import ufl
-
-from fenics_contact.body.forms import Expr, Form, Measure
+from ufl import Form, Measure
+from ufl.core.expr import Expr
 
 # How friction feels a vector along the surface: M s of a slip s, linear and symmetric.
 Scaling = Callable[[Expr], Expr]

@@ -1,14 +1,17 @@
-"""What every law of a contact answers, be it across the contact or along it."""
+"""The base of every law of a contact, and of forces with their tangents, as solvers use them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import ClassVar
 
+import numpy as np
+from dolfinx.fem import Form as CompiledForm
+
 from fenics_contact.common.arrays import Array
-from fenics_contact.contact.laws.earlier_names import keep_earlier_names
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.contact.state import ContactState
+from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.results.contact_points import PointArray
 
 _EARLIER_NAMES = {"pulled_back": "vjp", "says_it_at_points": "is_pointwise"}
@@ -36,13 +39,28 @@ def name_in_table(key: str, table: str) -> str:
     return name.removeprefix("parameters.") if of == table else ""
 
 
+def keep_earlier_names(law: type, names: Mapping[str, str]) -> None:
+    """Let a class answer, and override, by the earlier names of its methods, too.
+
+    Args:
+        law: A class, called with each one that is derived.
+        names: Earlier name → present name.
+    """
+    own = vars(law)
+    for earlier, name in names.items():
+        if name in own:
+            setattr(law, earlier, own[name])
+        elif earlier in own:
+            setattr(law, name, own[earlier])
+
+
 class ContactLaw:
     """A law of a contact: its names, and the arrays that it keeps from load step to load step.
 
     Attributes:
         kind: As scenes and results name it.
         model: What it models, in words.
-        checks: Names of the checks of ``trust/checks/run_checks.py`` that judge it.
+        checks: Names of the checks of ``trust/run_checks.py`` that judge it.
         state: Arrays at the points that it keeps from load step to load step, its attributes.
             They are saved, gone back to, restarted, written and drawn by what is said here.
         name: What is modelled where, for results.
@@ -78,13 +96,13 @@ class ContactLaw:
         return f"law '{self.kind}'"
 
     @property
-    def has_derivatives(self) -> bool:
-        """Whether derivatives go back through all arrays that it keeps between load steps."""
+    def has_vjp(self) -> bool:
+        """Whether ``vjp`` goes back through all arrays that it keeps between load steps."""
         return not {array.name for array in self.state} - self.derived_state
 
     @property
     def derived_state(self) -> set[str]:
-        """Names of arrays of ``state`` by which derivatives go back to load steps before."""
+        """Names of arrays of ``state`` by which gradients go back to load steps before."""
         return {"reference", "bound"}
 
     def kept(self) -> dict[str, Array]:
@@ -119,3 +137,62 @@ class ContactLaw:
 
 
 keep_earlier_names(ContactLaw, _EARLIER_NAMES)
+
+
+class ContactForce:
+    """Forces at a contact that follow the jump; this one is 0, and others say what they are.
+
+    Attributes:
+        follows_jump: Whether there are any, so that it has forms.
+        site: Where they act.
+    """
+
+    follows_jump: ClassVar[bool] = False
+    site: LawSite
+
+    @property
+    def forms(self) -> tuple[CompiledForm, ...]:
+        """Compiled forms of the forces that follow the jump; none where nothing does.
+
+        They are compiled when they are first asked for.
+        """
+        return ()
+
+    @property
+    def tangents(self) -> tuple[CompiledForm, ...]:
+        """Forms of the tangent at present."""
+        return ()
+
+    def force(self) -> Array:
+        """Forces on the body at all nodes of the surface, (nodes, components); collective."""
+        trace = self.site.trace
+        return np.zeros((len(trace.all_nodes), trace.surface.components))
+
+    def at_points(self) -> Array:
+        """Traction on the body at the points, (points, components) (stress).
+
+        Of the same energy as ``force``: on nodal points, what that gives over their areas.
+        """
+        return np.zeros_like(self.site.trace.normals)
+
+    def tangent_at_points(self) -> Array:
+        """Minus its derivative in the jump, as the forms of ``tangents`` have it.
+
+        Shape (points, components, components) (stress/length).
+        """
+        normals = self.site.trace.normals
+        return np.zeros((*normals.shape, normals.shape[1]))
+
+    @property
+    def neighbours(self) -> SurfaceAverage | None:
+        """Average over neighbouring points by which forces depend on their jumps, too; or None."""
+        return None
+
+    def tangent_between_points(self) -> Array:
+        """Minus the derivative of its traction in the jump at other points; collective.
+
+        Of each pair of ``neighbours``, beside ``tangent_at_points``, (pairs, components,
+        components) (stress/length).
+        """
+        size = self.site.trace.normals.shape[1]
+        return np.zeros((0, size, size))

@@ -1,8 +1,8 @@
-"""Numbers at the contact points from the same UFL that the forms are compiled from.
+"""Laws in UFL: formulas of a scene, and numbers at the contact points from what forms are made of.
 
-A law says its energy density once, in UFL. Its forms are integrals of it and of its derivatives;
-what results say of pressure, traction and energy at the points are numbers of the same
-expressions, evaluated here for all points of a rank at once.
+A law says its energy density once, in UFL. Its forms are integrals of it and of its slopes; what
+results say of pressure, traction and energy at the points are numbers of the same expressions,
+evaluated here for all points of a rank at once.
 """
 
 from __future__ import annotations
@@ -18,9 +18,10 @@ from ufl import classes
 from ufl.algorithms import expand_indices
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 from ufl.algorithms.apply_derivatives import apply_derivatives
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import Expr
 from fenics_contact.common.arrays import Array
+from fenics_contact.scene.laws.formula import Formula
 
 # A domain for variables that are numbers. UFL keeps what it has differentiated, so each density is
 # derived only once; and with the domain of a mesh it would keep that mesh and its communicators.
@@ -57,7 +58,7 @@ def point_density(density: Callable[..., Expr], **sizes: int) -> PointDensity:
 
 
 class PointDensity:
-    """An energy density as numbers at points, with its first and second derivatives.
+    """An energy density as numbers at points, with its slopes and curvatures.
 
     Args:
         density: Takes variables by name, and returns the density in UFL (energy/area).
@@ -85,16 +86,16 @@ class PointDensity:
         return self._numbers((), values)[..., 0]
 
     def slope(self, of: str, **values: Array | float) -> Array:
-        """Its derivative in a variable: (points,) of a scalar, (points, components) of a vector."""
+        """Slope in a variable: (points,) of a scalar, (points, components) of a vector."""
         found = self._numbers((of,), values)
         return found if np.ndim(values[of]) == 2 else found[..., 0]
 
     def curvature(self, of: str, **values: Array | float) -> Array:
-        """Its second derivative in a scalar variable, (points,)."""
+        """Curvature of the density in a scalar variable, (points,)."""
         return self._numbers((of, of), values)[..., 0]
 
     def curvatures(self, of: str, then: str, **values: Array | float) -> Array:
-        """Its second derivatives in the components of two vector variables.
+        """Curvatures of the density in the components of two vector variables.
 
         Returns:
             (points, components of the first, components of the second).
@@ -114,7 +115,7 @@ class PointDensity:
     def _program(self, along: tuple[str, ...]) -> _Program:
         if along not in self._programs:
             scalars = [scalar for own in self._scalars.values() for scalar in own]
-            parts = [_lowered(part) for part in self._derivatives(along)]
+            parts = [_lowered(part) for part in self._taken(along)]
             self._programs[along] = _Program(scalars, parts)
         return self._programs[along]
 
@@ -130,7 +131,7 @@ class PointDensity:
         count = max((len(value) for value in given if value.ndim), default=1)
         return program.run(given, count)
 
-    def _derivatives(self, along: tuple[str, ...]) -> list[Expr]:
+    def _taken(self, along: tuple[str, ...]) -> list[Expr]:
         found = [self._density]
         for name in along:
             found = [ufl.diff(part, scalar) for part in found for scalar in self._scalars[name]]
@@ -138,7 +139,7 @@ class PointDensity:
 
 
 def _lowered(expression: Expr) -> Expr:
-    """Without derivatives and indices."""
+    """Without gradients and indices."""
     return expand_indices(apply_derivatives(apply_algebra_lowering(expression)))
 
 
@@ -150,7 +151,7 @@ class _Program:
 
     Args:
         variables: Scalar variables whose numbers are given.
-        expressions: Without derivatives and indices.
+        expressions: Without gradients and indices.
 
     Attributes:
         count: Number of expressions.
@@ -198,3 +199,28 @@ class _Program:
         with np.errstate(all="ignore"):  # both sides of a condition are evaluated
             self._work_out(found, *given)
         return found
+
+
+_IN_UFL: Mapping[str, Callable[..., Expr]] = {
+    "sqrt": ufl.sqrt,
+    "exp": ufl.exp,
+    "ln": ufl.ln,
+    "min": ufl.min_value,
+    "max": ufl.max_value,
+}
+
+
+@lru_cache
+def in_ufl(text: str, names: tuple[str, ...]) -> Callable[..., Expr]:
+    """A formula as a function of its variables, by name; the same one for the same text.
+
+    Args:
+        text: Of the formula.
+        names: Of the variables that it may have.
+    """
+    formula = Formula(text, names)
+
+    def function(**values: Expr) -> Expr:
+        return formula.of(values, _IN_UFL)
+
+    return function

@@ -1,4 +1,4 @@
-"""What slip under pressure wears off, which widens the gap of the load steps that follow."""
+"""Wear by slip under pressure, which widens the gap of the load steps that follow."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest
-from fenics_contact.contact.last_step import LastStep
 from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.site import LawSite
-from fenics_contact.contact.state import STICK, ContactState
+from fenics_contact.contact.state import STICK, ContactState, LastStep
 from fenics_contact.quantities.names import MAX_WEAR_DEPTH, WORN_VOLUME
 from fenics_contact.results.contact_points import PointArray
 
@@ -39,15 +38,11 @@ class Unworn(ContactLaw):
 
     @property
     def depth(self) -> Array:
-        """By how much both surfaces together are worn, before the present step (length)."""
+        """Depth worn off both surfaces together, before the present step (length)."""
         return np.zeros(len(self.site.trace.weights))
 
     def quantities(self, state: ContactState) -> dict[str, float]:
-        """Worn volume and depth at the end of the present step, by name; collective.
-
-        Args:
-            state: Then.
-        """
+        """Worn volume and depth at the end of the present step, by name; collective."""
         return {}
 
 
@@ -76,15 +71,11 @@ class Archard(Unworn):
 
     @property
     def depth(self) -> Array:
-        """By how much both surfaces together are worn, before the present step (length)."""
+        """Depth worn off both surfaces together, before the present step (length)."""
         return self.worn_depth
 
     def at_step_end(self, state: ContactState) -> dict[str, Array]:
-        """Depth worn so far, with that of the step, by name.
-
-        Args:
-            state: At its end.
-        """
+        """Depth worn so far, with that of the step, by name."""
         pressure = np.maximum(self._last.mean_pressure(state) - self._threshold, 0.0)
         way = np.linalg.norm(self._slip_in_step(state), axis=1)
         worn = np.where(state.status == STICK, 0.0, self._coefficient * pressure * way)
@@ -96,11 +87,7 @@ class Archard(Unworn):
         return state.slip - self._last.state.slip
 
     def quantities(self, state: ContactState) -> dict[str, float]:
-        """Worn volume, and the deepest wear, at the end of the present step; collective.
-
-        Args:
-            state: Then.
-        """
+        """Worn volume, and the deepest wear, at the end of the present step; collective."""
         depth, trace = state.own["worn_depth"], self.site.trace
         volume, deepest = float(trace.integral(depth)), largest(trace.spaces.comm, depth)
         found = {WORN_VOLUME: volume, MAX_WEAR_DEPTH: deepest}

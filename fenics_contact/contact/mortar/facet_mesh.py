@@ -1,10 +1,13 @@
-"""The facets of a contact surface as plain arrays, for contact between two bodies.
+"""The facets of a contact surface as plain arrays, and where on them a function is least.
 
-Every rank may hold all of it: nothing here knows a mesh of FEniCSx.
+Every rank may hold all of them: nothing here knows a mesh of FEniCSx. For the least value of a
+function, between nodes too, each rank samples its own facets, and the most promising ones again and
+again around their best sample.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -53,7 +56,7 @@ class FacetMesh:
 
     @property
     def node_count(self) -> int:
-        """Displacement nodes."""
+        """Number of displacement nodes."""
         return len(self.normals)
 
     @cached_property
@@ -67,12 +70,18 @@ class FacetMesh:
         distances = np.linalg.norm(self.geometry - self.centres[:, None], axis=2)
         return distances.max(axis=1, initial=0) * _MARGIN[self.order]
 
+    @property
+    def spacing(self) -> Array:
+        """From one displacement node to the next on each facet, about, (facets,) (length)."""
+        side = 2.0 if self.dimension == 2 else np.sqrt(2.0)
+        return np.asarray(side * self.radii / self.degree)
+
     def shape_functions(self, reference: Array) -> Array:
         """Shape functions at reference points, (points, nodes of a facet)."""
         return np.asarray(_tabulate(self.shape, self.degree, reference, 0)[0])
 
     def shape_gradients(self, reference: Array) -> Array:
-        """Their gradients, (dimension − 1, points, nodes of a facet)."""
+        """Gradients of shape functions, (dimension − 1, points, nodes of a facet)."""
         return _tabulate(self.shape, self.degree, reference, 1)[1:]
 
     def geometry_functions(self, reference: Array) -> tuple[Array, Array]:
@@ -96,7 +105,7 @@ class FacetMesh:
         return np.asarray(np.einsum("pn,pnd->pd", values, self.geometry[facets]))
 
     def tangents(self, facets: AnyIntegers, reference: Array) -> Array:
-        """Derivatives of the place by reference coordinates, (points, dimension, dimension − 1)."""
+        """Tangents, ∂x/∂ξ of reference coordinates ξ, (points, dimension, dimension − 1)."""
         _, gradients = self.geometry_functions(reference)
         return np.asarray(np.einsum("kpn,pnd->pdk", gradients, self.geometry[facets]))
 
@@ -174,12 +183,12 @@ def normalised(vectors: Array) -> Array:
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-def _tabulate(shape: str, degree: int, reference: Array, derivatives: int) -> Array:
-    """Shape functions and, with derivatives 1, gradients, (1 + dimension − 1, points, nodes)."""
+def _tabulate(shape: str, degree: int, reference: Array, order: int) -> Array:
+    """Shape functions and, of order 1, gradients, (1 + dimension − 1, points, nodes)."""
     element = _element(shape, degree)
     if len(reference) == 0:  # of no points, basix 0.9 aborts
-        return np.zeros((1 + derivatives * reference.shape[1], 0, element.dim))
-    table = element.tabulate(derivatives, np.ascontiguousarray(reference))
+        return np.zeros((1 + order * reference.shape[1], 0, element.dim))
+    table = element.tabulate(order, np.ascontiguousarray(reference))
     return np.asarray(table[..., 0])
 
 
@@ -192,3 +201,84 @@ def _element(shape: str, degree: int) -> FiniteElement:
         degree,
         basix.LagrangeVariant.gll_warped,
     )
+
+
+# So many facets are looked at more closely: they may all lie in one contact.
+_PROMISING = 64
+# Times that the samples around the best one come closer together, each time by half.
+_ROUNDS = 16
+_AROUND = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+
+# Values at points (facets, reference coordinates), infinite where there is none.
+PointFunction = Callable[[AnyIntegers, Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class LowestPoints:
+    """The lowest point of each facet.
+
+    Attributes:
+        values: There, (facets,); infinite on facets without samples.
+        reference: Places on the facets, (facets, dimension − 1).
+    """
+
+    values: Array
+    reference: Array
+
+
+def lowest_points(mesh: FacetMesh, counts: AnyIntegers, function: PointFunction) -> LowestPoints:
+    """Find the lowest point of each facet.
+
+    Args:
+        mesh: The surface.
+        counts: Samples along a facet's side, (facets,); of none nothing is looked at.
+        function: What is to be least.
+    """
+    middle = reference_nodes(mesh.shape, 1).mean(axis=0)
+    values = np.full(len(counts), np.inf)
+    reference = np.tile(middle, (len(counts), 1))
+    for count in np.unique(counts[counts > 0]):
+        facets, samples = np.flatnonzero(counts == count), _samples(mesh.shape, int(count))
+        found = _at(function, facets, np.tile(samples, (len(facets), 1, 1)))
+        best = found.argmin(axis=1)
+        values[facets], reference[facets] = found[np.arange(len(facets)), best], samples[best]
+    promising = np.argsort(values, kind="stable")[:_PROMISING]
+    promising = promising[np.isfinite(values[promising])]
+    width = 1 / np.maximum(counts[promising], 1)
+    for _ in range(_ROUNDS if len(promising) else 0):
+        around = np.stack(np.meshgrid(*[_AROUND] * reference.shape[1]), axis=-1)
+        steps = around.reshape(-1, reference.shape[1]) * width[:, None, None]
+        places = _inside(mesh.shape, reference[promising, None] + steps)
+        found = _at(function, promising, places)
+        rows, best = np.arange(len(promising)), found.argmin(axis=1)
+        better = found[rows, best] < values[promising]
+        values[promising] = np.where(better, found[rows, best], values[promising])
+        chosen = np.where(better[:, None], places[rows, best], reference[promising])
+        reference[promising] = chosen
+        width = width / 2
+    return LowestPoints(values, reference)
+
+
+def _at(function: PointFunction, facets: AnyIntegers, places: Array) -> Array:
+    """Values at places (facets, samples, dimension − 1), (facets, samples)."""
+    count, samples, dimension = places.shape
+    found = function(np.repeat(facets, samples), places.reshape(-1, dimension))
+    return found.reshape(count, samples)
+
+
+def _samples(shape: str, count: int) -> Array:
+    """Points spread over a reference cell, (samples, dimension − 1)."""
+    along = (np.arange(count) + 0.5) / count
+    if shape == "interval":
+        return along[:, None]
+    places = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
+    return places if shape == "quadrilateral" else places[places.sum(axis=1) <= 1.0]
+
+
+def _inside(shape: str, places: Array) -> Array:
+    """Places moved into the reference cell, (..., dimension − 1)."""
+    places = np.clip(places, 0.0, 1.0)
+    if shape == "triangle":
+        beyond = np.maximum(places.sum(axis=-1, keepdims=True) - 1.0, 0.0)
+        places = np.clip(places - beyond / 2, 0.0, 1.0)
+    return np.asarray(places)

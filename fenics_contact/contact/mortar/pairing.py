@@ -19,8 +19,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
-from fenics_contact.contact.mortar.integrals import MortarIntegrals, integrate
-from fenics_contact.contact.mortar.projection import Projection
+from fenics_contact.contact.mortar.projection import MortarIntegrals, Projection, integrate
 from fenics_contact.contact.mortar.ray_projection import Hits, face, hits
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.contact.mortar.spread_projection import SlaveRows, SpreadProjection
@@ -29,7 +28,7 @@ from fenics_contact.contact.surface.trace import Trace
 
 @dataclass(frozen=True, eq=False)
 class _Faced:
-    """What faces what, of the slave's nodes and facets of this rank.
+    """Opposites of the slave's nodes and facets of this rank.
 
     Attributes:
         normals: Mean unit normals at the nodes, (nodes, components).
@@ -227,9 +226,13 @@ class Pairing:
         """Flags of the body's nodes that are the master's, (nodes,); collective."""
         return self._master.surface.on_body(np.ones(len(self._master.all_nodes))) > 0
 
+    def coupled_masters(self) -> Flags:
+        """Flags of the master's nodes that move the slave, of the whole master; collective."""
+        return self._present.rows.coupled_masters()
+
     def faced_masters(self) -> Flags:
         """Flags of the master's nodes that move the slave, (the body's nodes,); collective."""
-        moves = self._present.rows.coupled_masters()[self.master.numbers]
+        moves = self.coupled_masters()[self.master.numbers]
         return self.master.on_body(moves.astype(np.float64)) > 0
 
     def distances_from(self, points: Array, normals: Array) -> Array:

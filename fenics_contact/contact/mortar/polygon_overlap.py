@@ -2,6 +2,9 @@
 
 Both are projected along the mean normal onto a plane through the centre of each piece of the
 slave, and clipped there. https://doi.org/10.1016/j.cma.2003.10.010
+
+Convex polygons are clipped in the plane, many pairs at once. Polygons are
+(polygons, corners, 2) (length); where one has fewer corners, its last is repeated.
 """
 
 from __future__ import annotations
@@ -13,12 +16,14 @@ import basix
 import numpy as np
 
 from fenics_contact.common.arrays import AnyIntegers, Array
-from fenics_contact.contact.mortar import clipping
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
 from fenics_contact.contact.mortar.overlap import LEAST_SHARE, Overlap, Pieces, facing_pairs, pieces
 from fenics_contact.contact.mortar.ray_projection import across, meet
 
 _POINTS = 10_000  # quadrature points treated at a time: they stay in the processor's cache
+# Common parts are cut into triangles from the corner that is furthest along this direction in
+# space: a polygon's first corner depends, as the order of a facet's nodes, on the ranks.
+_DIRECTION = np.array([1.0, 0.618, 0.387])
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +96,7 @@ def polygon_overlaps(
             normalised(slave.interpolate(mean_normals, repeated, here)),
             np.repeat(theirs.reference[cells.theirs], count, axis=0),
         )
-        areas = clipping.areas(cells.corners)
+        areas = signed_areas(cells.corners)
         yield Overlap(
             facets,
             opposite,
@@ -107,8 +112,8 @@ def _planes(slave: FacetMesh, mean_normals: Array) -> _Planes:
     normals = normalised(slave.interpolate(mean_normals, ours.facets, ours.reference))
     axes = across(normals)
     seen = (ours.corners - ours.centres[:, None]) @ axes
-    polygons = clipping.counter_clockwise(seen)
-    return _Planes(ours, normals, axes, polygons, clipping.areas(polygons))
+    polygons = counter_clockwise(seen)
+    return _Planes(ours, normals, axes, polygons, signed_areas(polygons))
 
 
 def _common(planes: _Planes, master: FacetMesh, theirs: Pieces) -> _Triangles:
@@ -117,10 +122,11 @@ def _common(planes: _Planes, master: FacetMesh, theirs: Pieces) -> _Triangles:
     none = np.zeros(len(ours.facets))
     first, second = facing_pairs(ours, planes.normals, none, master, theirs)
     seen = (theirs.corners[second] - ours.centres[first, None]) @ planes.axes[first]
-    common = clipping.clip(planes.polygons[first], clipping.counter_clockwise(seen))
-    kept = clipping.areas(common) > LEAST_SHARE * planes.areas[first]
-    first, second, triangles = first[kept], second[kept], clipping.fan(common[kept])
-    areas = clipping.areas(triangles.reshape(-1, 3, 2)).reshape(triangles.shape[:2])
+    common = clip(planes.polygons[first], counter_clockwise(seen))
+    kept = signed_areas(common) > LEAST_SHARE * planes.areas[first]
+    first, second = first[kept], second[kept]
+    triangles = fan(common[kept], _DIRECTION @ planes.axes[first])
+    areas = signed_areas(triangles.reshape(-1, 3, 2)).reshape(triangles.shape[:2])
     # Repeated corners make triangles without area.
     pair, number = np.nonzero(areas > LEAST_SHARE**2 * planes.areas[first, None])
     return _Triangles(first[pair], second[pair], triangles[pair, number])
@@ -151,3 +157,65 @@ def _on_slave(
     true = normalised(slave.area_normals(facets, here))
     slope = np.abs(np.einsum("pd,pd->p", true, normals))
     return here, met / slope
+
+
+def signed_areas(polygons: Array) -> Array:
+    """Areas, negative for polygons that run clockwise, (polygons,)."""
+    x = polygons - polygons[:, :1]
+    following = np.roll(x, -1, axis=1)
+    return 0.5 * _cross(x, following).sum(axis=1)
+
+
+def counter_clockwise(polygons: Array) -> Array:
+    """The polygons, reversed where they run clockwise."""
+    return np.where(signed_areas(polygons)[:, None, None] < 0, polygons[:, ::-1], polygons)
+
+
+def clip(polygons: Array, windows: Array) -> Array:
+    """Common parts of convex polygons and windows that run counter-clockwise.
+
+    After Sutherland and Hodgman: the polygon is cut along each side of the window in turn.
+    Parts that are empty have area 0.
+    """
+    for side in range(windows.shape[1]):
+        begin, end = windows[:, side], windows[:, (side + 1) % windows.shape[1]]
+        polygons = _cut(polygons, begin, end)
+    return polygons
+
+
+def fan(polygons: Array, directions: Array) -> Array:
+    """Triangles from one corner of convex polygons, (polygons, corners − 2, 3, 2).
+
+    Args:
+        polygons: The polygons.
+        directions: The corner is the furthest one along these, (polygons, 2).
+    """
+    first = np.argmax(np.einsum("pcd,pd->pc", polygons, directions), axis=1)
+    turned = (first[:, None] + np.arange(polygons.shape[1])) % polygons.shape[1]
+    polygons = np.take_along_axis(polygons, turned[:, :, None], axis=1)
+    begin, end = polygons[:, 1:-1], polygons[:, 2:]
+    return np.stack([np.broadcast_to(polygons[:, :1], begin.shape), begin, end], axis=2)
+
+
+def _cut(polygons: Array, begin: Array, end: Array) -> Array:
+    """The parts to the left of lines from begin to end, (polygons, 2) each."""
+    count, corners = polygons.shape[:2]
+    height = _cross((end - begin)[:, None], polygons - begin[:, None])
+    following, height_following = np.roll(polygons, -1, axis=1), np.roll(height, -1, axis=1)
+    stays = height >= 0
+    crosses = stays != (height_following >= 0)
+    share = height / np.where(crosses, height - height_following, 1.0)
+    crossing = polygons + share[:, :, None] * (following - polygons)
+
+    # Along each side: its first corner, then where it crosses the line.
+    points = np.stack([polygons, crossing], axis=2).reshape(count, 2 * corners, 2)
+    kept = np.stack([stays, crosses], axis=2).reshape(count, 2 * corners)
+    # A line adds one corner to a convex polygon at most.
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : corners + 1]
+    last = np.maximum(kept.sum(axis=1) - 1, 0)
+    order = np.take_along_axis(order, np.minimum(np.arange(corners + 1), last[:, None]), axis=1)
+    return np.take_along_axis(points, order[:, :, None], axis=1)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

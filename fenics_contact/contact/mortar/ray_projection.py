@@ -1,4 +1,4 @@
-"""Which point of another surface faces a point: rays from points to facets."""
+"""Rays from points to facets: the point of another surface that faces each."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class _Crossings:
     opposed: Flags
 
     def entries_behind(self, master: FacetMesh, lines: int) -> Array:
-        """Of each of so many lines, as ``entries_behind`` of the module, (lines,) (length).
+        """Entries behind each line, as ``entries_behind`` of the module, (lines,) (length).
 
         A line that begins on a facet does not enter there.
         """

@@ -1,4 +1,4 @@
-"""How far the facets of a curved surface are from the curve that they stand for.
+"""Distance of the facets of a curved surface from the curve that they replace.
 
 Nodes of a mesh lie on the curve, facets between them do not. Through the nodes of a facet and of
 its neighbours goes a polynomial of higher degree than the facet's own: what is between the two is
@@ -8,11 +8,11 @@ degree 4: the error of the parabola through its ends and middle is x² (r² − 
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations_with_replacement
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised, reference_nodes
@@ -60,8 +60,10 @@ class SmoothSurface:
         if self._is_flat:
             return found
         local = self._local(facet, self._facets.positions(facet, reference))
-        for number in np.unique(facet[self._turns[facet]]):
-            at = facet == number
+        turning = np.flatnonzero(self._turns[facet])
+        turning = turning[np.argsort(facet[turning], kind="stable")]
+        numbers, firsts = np.unique(facet[turning], return_index=True)
+        for number, at in zip(numbers.tolist(), np.split(turning, firsts)[1:], strict=True):
             powers = _powers(local[at, :-1], self._degree(number))
             found[at] = powers @ self._fits[number] - local[at, -1]
         return found * self._facets.radii[facet]
@@ -85,7 +87,7 @@ class SmoothSurface:
 
     @cached_property
     def _turns(self) -> Flags:
-        """Facets with a normal beside them that is not their own, (facets,): others lie flat."""
+        """Facets with another normal next to them, (facets,): others lie flat."""
         mesh = self._facets
         corners = reference_nodes(mesh.shape, 1)
         facet = np.repeat(np.arange(len(mesh.nodes)), len(corners))
@@ -108,11 +110,8 @@ class SmoothSurface:
         Args:
             at_corners: Normals at the facets' corners, (facets, corners × dimension).
         """
-        numbers, normals = self._node_numbers, self._frames[:, -1]
-        facet = np.repeat(np.arange(len(numbers)), numbers.shape[1])
-        has_node = csr_matrix((np.ones(facet.size), (facet, numbers.ravel())))
-        share_node = coo_matrix(has_node @ has_node.T)
-        one, other = share_node.row, share_node.col
+        share_node, normals = self._share_node, self._frames[:, -1]
+        one, other = share_node.nonzero()
         turns = np.linalg.norm(normals[one] - normals[other], axis=1) > _FLAT
         turns &= np.einsum("pi,pi->p", normals[one], normals[other]) > _EDGE
         middles = np.tile(normals, at_corners.shape[1] // normals.shape[1])
@@ -182,41 +181,47 @@ class SmoothSurface:
         return self._numbering[1]
 
     def _neighbours(self, facet: int) -> list[int]:
-        """Of a facet: those with a node of it, that go on from it smoothly."""
+        """Neighbours of a facet by a node, that go on from it smoothly."""
         if facet not in self._smooth:
-            near = self._near(facet)
-            self._smooth[facet] = [other for other in near if self._goes_on(facet, other)]
+            near = self._near[facet]
+            near = near[near >= 0]
+            self._smooth[facet] = near[self._go_on(facet, near)].tolist()
         return self._smooth[facet]
 
-    def _near(self, facet: int) -> list[int]:
-        """Of a facet: the others with a node of it."""
-        nodes = self._node_numbers[facet].tolist()
-        return sorted({other for node in nodes for other in self._facets_of[node]} - {facet})
+    @cached_property
+    def _share_node(self) -> csr_matrix:
+        """How many nodes any two facets share, (facets, facets); also a facet with itself."""
+        numbers = self._node_numbers
+        facet = np.repeat(np.arange(len(numbers)), numbers.shape[1])
+        has_node = csr_matrix((np.ones(facet.size), (facet, numbers.ravel())))
+        return csr_matrix(has_node @ has_node.T)
 
     @cached_property
-    def _facets_of(self) -> dict[int, list[int]]:
-        """The facets that have a node."""
-        found: dict[int, list[int]] = {}
-        for facet, nodes in enumerate(self._node_numbers.tolist()):
-            for node in nodes:
-                found.setdefault(node, []).append(facet)
+    def _near(self) -> AnyIntegers:
+        """All other facets with a node of each facet, (facets, most of them); −1 for none."""
+        one, other = self._share_node.nonzero()
+        one, other = one[one != other], other[one != other]
+        counts = np.bincount(one, minlength=len(self._node_numbers))
+        found = np.full((len(counts), counts.max(initial=0)), -1)
+        found[np.arange(found.shape[1]) < counts[:, None]] = other[np.argsort(one, kind="stable")]
         return found
 
-    def _goes_on(self, facet: int, other: int) -> bool:
-        """Whether there is no edge between two facets.
+    def _go_on(self, facet: int, near: AnyIntegers) -> Flags:
+        """Whether there is no edge between a facet and each of others near it, (others,).
 
         A curve turns at every node. Where all around is parallel to one facet or to the other,
         there is an edge between the two, however blunt.
         """
         normals = self._frames[:, -1]
-        turn = np.linalg.norm(normals[facet] - normals[other])
-        if normals[facet] @ normals[other] <= _EDGE:
-            return False
-        around = normals[sorted({*self._near(facet), *self._near(other)} - {facet, other})]
-        if turn <= _FLAT or len(around) == 0:
-            return True
-        apart = np.linalg.norm(around[:, None] - normals[[facet, other]], axis=2).min(axis=1)
-        return bool((apart > _PARALLEL * turn).any())
+        own, others = normals[facet], normals[near]
+        around = np.concatenate([np.tile(near, (len(near), 1)), self._near[near]], axis=1)
+        counts = (around >= 0) & (around != facet) & (around != near[:, None])
+        turn = np.linalg.norm(others - own, axis=1)
+        from_own = np.linalg.norm(normals[around] - own, axis=2)
+        from_other = np.linalg.norm(normals[around] - others[:, None], axis=2)
+        apart = np.minimum(from_own, from_other) > _PARALLEL * turn[:, None]
+        is_smooth = (turn <= _FLAT) | ~counts.any(axis=1) | (apart & counts).any(axis=1)
+        return np.asarray(is_smooth & (others @ own > _EDGE))
 
     @cached_property
     def _frames(self) -> Array:
@@ -234,6 +239,7 @@ class SmoothSurface:
         return np.asarray(turned / self._facets.radii[facet, None])
 
 
+@cache
 def _exponents(dimension: int, degree: int) -> list[tuple[int, ...]]:
     """Exponents of all monomials up to a degree."""
     return [
@@ -245,6 +251,8 @@ def _exponents(dimension: int, degree: int) -> list[tuple[int, ...]]:
 
 def _powers(points: Array, degree: int) -> Array:
     """Monomials at points, (points, monomials)."""
-    exponents = _exponents(points.shape[1], degree)
-    columns = [np.prod(points ** np.array(powers), axis=1) for powers in exponents]
-    return np.stack(columns, axis=1)
+    count, dimension = points.shape
+    each = np.ones((degree + 1, count, dimension))
+    np.cumprod(np.broadcast_to(points, (degree, count, dimension)), axis=0, out=each[1:])
+    exponents = np.array(_exponents(dimension, degree))
+    return np.asarray(np.prod([each[exponents[:, i], :, i] for i in range(dimension)], axis=0).T)

@@ -19,8 +19,7 @@ from fenics_contact.common import mumps
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import gather_rows, lasting, total
-from fenics_contact.contact.mortar.integrals import MortarIntegrals
-from fenics_contact.contact.mortar.projection import Projection
+from fenics_contact.contact.mortar.projection import MortarIntegrals, Projection
 from fenics_contact.contact.surface.space import SurfaceSpace
 
 

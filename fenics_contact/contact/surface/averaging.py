@@ -85,11 +85,7 @@ class SurfaceAverage:
         self._scale = _scale(self._kernel, gathered)
 
     def apply(self, values: Array) -> Array:
-        """The average around each point of this rank, (points,).
-
-        Args:
-            values: At the points.
-        """
+        """The average around each point of this rank, (points,)."""
         return self._scaled(self._areas * self._scale * self._places.gathered(values))
 
     def transposed(self, values: Array) -> Array:
@@ -102,9 +98,6 @@ class SurfaceAverage:
 
         The kernel K has no kink anywhere, so that pairs come into reach without a jump. As
         s_i Σ_j K_ij A_j s_j = 1 for any radius, (1 + W) of ds/s is −s_i Σ_j dK_ij A_j s_j.
-
-        Args:
-            values: At the points.
         """
         areas = self._areas
         kernel_slope = self._matrix(slope(self._values_of, self.radius))
@@ -196,7 +189,7 @@ def _along_line(places: MirroredPlaces, radius: float) -> _Kernel:
 
 
 def _straight(places: MirroredPlaces, radius: float) -> _Kernel:
-    """That of straight distances in 3D, images one by one."""
+    """Weights by straight distances in 3D, images one by one."""
     rows, columns, copies = places.straight(radius, [0, 1, 2])
     there, normals = places.images(columns, copies)
     distances = np.linalg.norm(places.coordinates[rows] - there, axis=1)
@@ -205,7 +198,7 @@ def _straight(places: MirroredPlaces, radius: float) -> _Kernel:
 
 
 def _around_axis(places: MirroredPlaces, radius: float) -> _Kernel:
-    """Its mean over the rings around the axis."""
+    """Mean of the weight over the rings around the axis."""
     rows, columns, copies = places.straight(radius, [0, 1])
     there, there_normals = places.images(columns, copies)
     here, normals = places.coordinates[rows], places.normals[rows]

@@ -11,11 +11,10 @@ from itertools import product
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows
-from fenics_contact.contact.surface.facet_centres import AT_CENTRE
+from fenics_contact.contact.surface.point_rule import AT_CENTRE
 from fenics_contact.contact.surface.trace import Trace
 
 # Over the extent of the surface: places nearer than that are one.
@@ -145,6 +144,8 @@ class MirroredPlaces:
         Returns:
             Rows, columns, and of which copy each column is.
         """
+        from scipy.spatial import cKDTree  # a tenth of a second; few scenes need it
+
         _, parts = connected_components(self._steps, directed=False)
         tree = cKDTree(self.coordinates[:, axes])
         found = []

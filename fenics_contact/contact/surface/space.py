@@ -6,22 +6,29 @@ Contact and friction live here, so that what they cost grows with the surface al
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import fem, la
+from dolfinx.fem import Form as CompiledForm
+from dolfinx.fem import Function
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import SuperLU, splu
+from ufl import Measure
+from ufl.core.expr import Expr
 
 from fenics_contact.body.elasticity import measure_weight
-from fenics_contact.body.forms import CompiledForm, Expr, Function, Measure, Rule
 from fenics_contact.body.spaces import Spaces, of_owners, summed_over_ranks
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Integers, Kind
 from fenics_contact.common.parallel import gather_rows, largest, smallest
 from fenics_contact.mesh.tagged_mesh import Group
+
+# Of a quadrature rule, as a measure's metadata.
+Rule = dict[str, Any]
 
 
 class SurfaceSpace:
@@ -109,7 +116,7 @@ class SurfaceSpace:
 
     @property
     def own_dofs(self) -> Integers:
-        """The same of the nodes that this rank owns here."""
+        """The body's global numbers of the dofs of nodes that this rank owns here."""
         mine = self.body_nodes[: self.owned_nodes]
         index_map = self.spaces.displacement_space.dofmap.index_map
         nodes = np.asarray(index_map.local_to_global(mine), dtype=np.int64)

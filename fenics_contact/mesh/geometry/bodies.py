@@ -228,9 +228,6 @@ _ALONG = 6  # points along each parameter
 def exact_surfaces(dimension: int) -> Arrays:
     """Return points with normals, and the measure, of every surface; in the plane of curves.
 
-    Args:
-        dimension: Of the model.
-
     Returns:
         ``exact_points`` and ``exact_normals`` (points, 3), ``exact_parts`` (points,); and
         ``measured_parts``, ``measures`` of the surfaces that OpenCASCADE knows, and

@@ -1,4 +1,4 @@
-"""Kinds of files with a mesh or a geometry, and whether Gmsh may read them.
+"""Kinds of files with a mesh or a geometry: what Gmsh may read, and ways out for all others.
 
 Every file that Gmsh opens is first brought into a folder of its own: scripts written anew from
 what was understood of them, meshes and CAD files as copies with the suffix that they are taken for.
@@ -11,6 +11,7 @@ from __future__ import annotations
 import mmap
 import os
 import re
+import shlex
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,9 +20,8 @@ from pathlib import Path
 
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.wording import nearest_file
-from fenics_contact.mesh.geometry.other_formats import way_out
 from fenics_contact.mesh.geometry.script_safety import FileRead, GeometryScript
-from fenics_contact.mesh.geometry.script_statements import ScriptError
+from fenics_contact.mesh.geometry.script_words import ScriptError
 
 #: Kinds by suffix; of CAD files Gmsh is told the format, and takes no other.
 _OF_GMSH = {".geo": "geo", ".msh": "msh", ".step": "cad", ".stp": "cad", ".brep": "cad"}
@@ -168,7 +168,9 @@ class _Scripts:
             for file in self._asked(path, script):
                 known = set(self._targets.values())
                 self._bring(path, file)
-                waiting += [t for t in self._targets.values() if t not in known and _is_script(t)]
+                waiting += [
+                    t for t in self._targets.values() if t not in known and t.suffix == ".geo"
+                ]
         defined = {name for script in self._scripts.values() for name in script.defined()}
         for target, script in self._scripts.items():
             path = self._names[target]
@@ -232,10 +234,6 @@ class _Scripts:
             if error.is_forbidden:
                 words += f"; a scene's geometry may do nothing else: remove it, or {_WAY_OUT}"
             raise InputError(words) from None
-
-
-def _is_script(target: Path) -> bool:
-    return target.suffix == ".geo"
 
 
 def _copied(key: str, path: Path, target: Path) -> Path:
@@ -305,3 +303,48 @@ def _require_whole(key: str, path: Path, copy: Path) -> None:
 def _either(words: Mapping[str, str]) -> str:
     *first, last = words
     return f"{', '.join(first)} or {last}"
+
+
+_CAD = "save the part as STEP (.step) in the CAD program"
+_NO_SOLID = (
+    "it has triangles of a surface and no solid: save the part as STEP (.step) in the CAD program"
+)
+_MESHIO = "convert it to .msh by meshio (`meshio convert {name} {mesh}`), groups and all"
+_GMSH = "open it in Gmsh and save it as .msh"
+_ANSYS = "save its mesh as .vtk by ansys-mapdl-reader, and convert that to .msh by meshio"
+_HYPERMESH = "export its mesh for Nastran or Abaqus, and convert that to .msh by meshio"
+_DRAWING = "a drawing is no body: save the part as STEP (.step) in the CAD program"
+_SHAPE = "save it as STEP (.step), for instance in FreeCAD"
+
+_WAYS = {
+    **dict.fromkeys((".sldprt", ".sldasm"), _CAD),  # SolidWorks
+    **dict.fromkeys((".ipt", ".iam"), _CAD),  # Inventor
+    **dict.fromkeys((".catpart", ".catproduct", ".cgr", ".3dxml"), _CAD),  # CATIA
+    **dict.fromkeys((".x_t", ".x_b", ".xmt_txt", ".xmt_bin", ".sat", ".sab", ".jt"), _CAD),
+    **dict.fromkeys((".prt", ".asm", ".par", ".psm", ".f3d", ".fcstd", ".3dm", ".skp"), _CAD),
+    **dict.fromkeys((".scdoc", ".scdocx", ".agdb", ".neu", ".cae"), _CAD),
+    **dict.fromkeys((".dwg", ".dxf", ".svg", ".pdf"), _DRAWING),
+    **dict.fromkeys((".stl", ".obj", ".ply", ".off", ".3mf", ".amf", ".wrl"), _NO_SOLID),
+    **dict.fromkeys((".igs", ".iges"), _SHAPE),
+    ".brp": "rename it to {stem}.brep, which is the same",
+    **dict.fromkeys((".cdb", ".rst"), _ANSYS),
+    **dict.fromkeys((".hm", ".hmascii"), _HYPERMESH),
+    **dict.fromkeys((".vtk", ".e", ".ex2", ".exo", ".vol", ".mesh", ".meshb"), _MESHIO),
+    **dict.fromkeys((".f3grid", ".mdpa", ".avs", ".ugrid", ".node", ".ele"), _MESHIO),
+    **dict.fromkeys((".unv", ".cgns"), _GMSH),
+}
+
+
+def way_out(name: str) -> str:
+    """Return advice on a file of another program, to follow a sentence; empty if unknown.
+
+    >>> way_out("lever.SLDPRT")
+    '; save the part as STEP (.step) in the CAD program'
+    """
+    stem, dot, suffix = name.rpartition(".")
+    way = _WAYS.get(f"{dot}{suffix}".lower(), "")
+    return (
+        f"; {way.format(name=shlex.quote(name), stem=stem, mesh=shlex.quote(f'{stem}.msh'))}"
+        if way
+        else ""
+    )

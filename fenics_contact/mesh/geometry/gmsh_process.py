@@ -9,13 +9,9 @@ It imports nothing that would start MPI.
 
 import io
 import os
-import re
-import resource
 import signal
 import sys
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import gmsh
@@ -31,7 +27,10 @@ from fenics_contact.mesh.geometry.bodies import (
 )
 from fenics_contact.mesh.geometry.preparations import (
     cut_bodies,
+    fields_of_bodies,
     largest_size,
+    least_curvature,
+    lift_constraints,
     limit_sizes,
     limiting_fields,
     set_least,
@@ -53,14 +52,6 @@ _WAYS = {
 }
 # Least scaled Jacobian of a mesh's cells from which no other way is tried.
 _GOOD = 0.2
-# A statement of such a geometry, and nothing else: names of groups are the script's, which could
-# make a command of one.
-_NUMBERS = r"\s*=?\s*\{[-+.,\s\w]*\}"
-_PLAIN = re.compile(
-    rf"cl__\d+ = [-+.\w]+;|[A-Z][A-Za-z ]*\(\d+\){_NUMBERS}"
-    rf"(?: (?:In|Using|Knots|Order|Plane)[ \w]*(?:{_NUMBERS})?(?: Order \d+)?)?;"
-    rf"|(?:Point|Line|Curve|Surface) ?{_NUMBERS} In (?:Curve|Line|Surface|Volume) ?{_NUMBERS};"
-)
 _UNROLLED = 2**28  # bytes of a geometry as plain statements, at the most
 
 
@@ -148,6 +139,8 @@ def _set_options(job: Job) -> None:
     gmsh.option.setNumber("Mesh.ElementOrder", job["order"])
     if job["size"] is not None:
         gmsh.option.setNumber("Mesh.MeshSizeMax", job["size"])
+    if job["least_size"] is not None:
+        gmsh.option.setNumber("Mesh.MeshSizeMin", job["least_size"])
     if job["curvature"] is not None:
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", job["curvature"])
 
@@ -166,7 +159,17 @@ def _generate(job: Job) -> Bodies:
         _mesh_by_sizes(job, bodies)
     else:
         gmsh.model.mesh.generate(dimension)
+    _straighten(dimension)
     return bodies
+
+
+def _straighten(dimension: int) -> None:
+    """Move nodes of curved cells where some are inverted, as coarse ones behind a round side."""
+    if gmsh.option.getNumber("Mesh.ElementOrder") > 1:
+        _, elements, _ = gmsh.model.mesh.getElements(dimension)
+        cells = np.concatenate([np.zeros(0, dtype=np.uint64), *elements])
+        if (gmsh.model.mesh.getElementQualities(cells, "minDetJac") <= 0).any():
+            gmsh.model.mesh.optimize("HighOrder")
 
 
 def _is_curved() -> bool:
@@ -179,26 +182,28 @@ def _mesh_by_sizes(job: Job, bodies: Bodies) -> None:
     """Mesh with the sizes that standard input holds; numbers of cells in the file do not count.
 
     The input is an ``.npz``: ``points`` (cells, vertices, 3), and ``sizes`` at each, (cells,
-    vertices) (length).
+    vertices) (length); ``parts`` are Gmsh's numbers of the cells' bodies, (cells,) or (0,).
     """
     with np.load(io.BytesIO(sys.stdin.buffer.read()), allow_pickle=False) as data:
-        points, sizes = data["points"], data["sizes"]
+        given = dict(data)
     cell, dimension = job["cell"], job["dimension"]
-    _lift_constraints(job)
+    lift_constraints(job)
     # Quadrilaterals are made by cutting each cell of a coarser mesh: no triangle is left then.
     is_cut = cell == "quadrilateral"
     factor = 2 if is_cut else 1
-    corners = points.transpose(0, 2, 1).reshape(len(points), -1)
-    rows = np.concatenate([corners, factor * sizes], axis=1)
-    view = gmsh.view.add("sizes")
-    gmsh.view.addListData(view, f"S{_ON_ELEMENTS[cell]}", len(rows), rows.reshape(-1))
-    field = gmsh.model.mesh.field.add("PostView")
-    gmsh.model.mesh.field.setNumber(field, "ViewTag", view)
-    set_least([field, *limiting_fields(job, bodies, factor)])
+    rows = np.concatenate(
+        [
+            given["points"].transpose(0, 2, 1).reshape(len(given["points"]), -1),
+            factor * given["sizes"],
+        ],
+        axis=1,
+    )
+    fields = fields_of_bodies(f"S{_ON_ELEMENTS[cell]}", rows, given["parts"], dimension)
+    set_least([*fields, *limiting_fields(job, bodies, factor)])
     for name, value in {
         "MeshSizeExtendFromBoundary": 0,
         "MeshSizeFromPoints": 0,
-        "MeshSizeFromCurvature": job["curvature"] or 0,
+        "MeshSizeFromCurvature": least_curvature(job),
         "MeshSizeFactor": 1,
         "MeshSizeMin": 0,
         "MeshSizeMax": factor * largest_size(job, bodies),
@@ -238,56 +243,11 @@ def _mesh_in_way(way: tuple[int, int], dimension: int) -> float:
     return float(np.min(np.concatenate(found)))
 
 
-def _lift_constraints(job: Job) -> None:
-    """Forget how many cells the file wants, and where.
-
-    Gmsh can drop the constraints of OpenCASCADE's parts. Those of its own kernel come back with
-    the geometry, so that is written out as plain statements and read again without them.
-    """
-    gmsh.model.mesh.clear()
-    if gmsh.model.occ.getEntities():
-        gmsh.model.mesh.removeConstraints()
-        return
-    parts = [entity for entity in gmsh.model.getEntities() if entity[0] >= 1]
-    groups = [
-        (
-            *group,
-            gmsh.model.getEntitiesForPhysicalGroup(*group),
-            gmsh.model.getPhysicalName(*group),
-        )
-        for group in gmsh.model.getPhysicalGroups()
-    ]
-    _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
-    with tempfile.TemporaryDirectory(dir=job["folder"]) as folder:
-        unrolled, plain = Path(folder) / "all.geo_unrolled", Path(folder) / "plain.geo"
-        gmsh.write(str(unrolled))
-        lines = unrolled.read_text(encoding="latin-1").splitlines()
-        kept = (line for line in lines if _PLAIN.fullmatch(line.strip()))
-        plain.write_text("\n".join(kept), encoding="latin-1")
-        gmsh.model.remove()
-        gmsh.model.add("plain")
-        gmsh.merge(str(plain))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
-    if [entity for entity in gmsh.model.getEntities() if entity[0] >= 1] != parts:
-        raise RefusedError(
-            f"{job['key']}.file = '{job['name']}': holds more than a geometry, which cannot be "
-            "meshed with other sizes; leave out accuracy"
-        )
-    gmsh.model.removePhysicalGroups()
-    for dimension, tag, members, name in groups:
-        gmsh.model.addPhysicalGroup(dimension, members, tag, name)
-
-
 _READERS = {"msh": _read_mesh, "geo": _mesh_script, "cad": _mesh_cad}
 
 
 def _describe(bodies: Bodies) -> dict[str, Any]:
-    """Dimension, groups, parts with their centres, how bodies lie, and names of element types.
-
-    Args:
-        bodies: Of the model.
-    """
+    """Dimension, groups, parts with their centres, how bodies lie, and names of element types."""
     switched = bool(gmsh.option.getNumber("Mesh.SwitchElementTags"))
     groups = []
     for dimension, tag in gmsh.model.getPhysicalGroups() if not switched else []:

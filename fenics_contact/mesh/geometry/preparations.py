@@ -1,13 +1,16 @@
-"""Preparation of a geometry's bodies for meshing: cuts, and sizes of cells.
+"""Preparation of a geometry for meshing: cuts of bodies, sizes of cells, constraints lifted.
 
-Bodies that are cut by planes, so that a part of them can be preloaded; for Gmsh's process alone.
-The pieces stay glued: the mesh goes through the cuts. What is cut of the boundary keeps its
-number.
+It is for Gmsh's process alone. Bodies are cut by planes, so that a part of them can be preloaded.
+The pieces stay glued: the mesh goes through the cuts. What is cut of the boundary keeps its number.
 """
 
 from __future__ import annotations
 
+import re
+import resource
+import tempfile
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import gmsh
@@ -17,6 +20,14 @@ from fenics_contact.common.wording import question
 from fenics_contact.mesh.geometry.bodies import Bodies
 from fenics_contact.mesh.geometry.process_room import Job, RefusedError
 
+# A statement of such a geometry, and nothing else: names of groups are the script's, which could
+# make a command of one.
+_NUMBERS = r"\s*=?\s*\{[-+.,\s\w]*\}"
+_PLAIN = re.compile(
+    rf"cl__\d+ = [-+.\w]+;|[A-Z][A-Za-z ]*\(\d+\){_NUMBERS}"
+    rf"(?: (?:In|Using|Knots|Order|Plane)[ \w]*(?:{_NUMBERS})?(?: Order \d+)?)?;"
+    rf"|(?:Point|Line|Curve|Surface) ?{_NUMBERS} In (?:Curve|Line|Surface|Volume) ?{_NUMBERS};"
+)
 _CLOSE = 1e-6  # of the body's length: a cut so near to its end is that end
 _BEYOND = 1.1  # of half the body's diagonal: how wide the planes are
 
@@ -140,7 +151,9 @@ def _glued_to(dimension: int, parts: Sequence[int]) -> list[Entity]:
         found |= more
 
 
+_AROUND = 8  # curved cells around a full circle
 _UNLIMITED = 1e22  # Gmsh's own
+# What Gmsh calls the list of parts that a field is of.
 _LISTS = {2: "SurfacesList", 3: "VolumesList"}
 
 
@@ -195,3 +208,98 @@ def set_least(fields: list[int]) -> None:
 
 def _sizes(job: Job, bodies: Bodies) -> dict[str, float | None]:
     return {name: job["body_sizes"].get(name, job["size"]) for name in bodies.parts}
+
+
+def least_curvature(job: Job) -> float:
+    """Cells around a full circle, at the least, where sizes are given as well.
+
+    Curved cells follow their surface with a few; where more are needed the sizes say so, and small
+    radii of parts that carry nothing are not to have the smallest cells of all.
+    """
+    wanted = float(job["curvature"] or 0)
+    if gmsh.option.getNumber("Mesh.ElementOrder") == 1:
+        return wanted
+    return 0.0 if job["least_size"] else min(wanted, _AROUND)
+
+
+def fields_of_bodies(kind: str, rows: np.ndarray, parts: np.ndarray, dimension: int) -> list[int]:
+    """Numbers of Gmsh's fields of the sizes of bodies, each from the cells of its own alone.
+
+    Where two bodies touch, either may have the cell around a point, or the nearest one.
+
+    Args:
+        kind: Gmsh's name of elements with sizes at the vertices.
+        rows: Coordinates and sizes of each, as Gmsh takes them.
+        parts: Of each the body, none where all are of every body.
+        dimension: Of the model.
+    """
+    field, fields = gmsh.model.mesh.field, []
+    separate = _separate_parts(dimension)
+    if len(parts) == 0 or len(separate) == 1:
+        return [_size_field(kind, rows)]
+    for together in separate:
+        every = _size_field(kind, rows[np.isin(parts, together)])
+        fields.append(field.add("Restrict"))
+        field.setNumber(fields[-1], "InField", every)
+        field.setNumbers(fields[-1], _LISTS[dimension], together)
+        field.setNumber(fields[-1], "IncludeBoundary", 1)
+    return fields
+
+
+def _size_field(kind: str, rows: np.ndarray) -> int:
+    """Number of Gmsh's field of sizes on elements."""
+    view = gmsh.view.add("sizes")
+    gmsh.view.addListData(view, kind, len(rows), rows.reshape(-1))
+    field = gmsh.model.mesh.field.add("PostView")
+    gmsh.model.mesh.field.setNumber(field, "ViewTag", view)
+    return int(field)
+
+
+def _separate_parts(dimension: int) -> list[list[int]]:
+    """Gmsh's numbers of the parts of the open model; of each list all hang together."""
+    left, found = {part for _, part in gmsh.model.getEntities(dimension)}, []
+    while left:
+        found.append([part for _, part in _glued_to(dimension, [min(left)])])
+        left.difference_update(found[-1])
+    return found
+
+
+def lift_constraints(job: Job) -> None:
+    """Forget how many cells the file wants, and where.
+
+    Gmsh can drop the constraints of OpenCASCADE's parts. Those of its own kernel come back with
+    the geometry, so that is written out as plain statements and read again without them.
+    """
+    gmsh.model.mesh.clear()
+    if gmsh.model.occ.getEntities():
+        gmsh.model.mesh.removeConstraints()
+        return
+    parts = [entity for entity in gmsh.model.getEntities() if entity[0] >= 1]
+    groups = [
+        (
+            *group,
+            gmsh.model.getEntitiesForPhysicalGroup(*group),
+            gmsh.model.getPhysicalName(*group),
+        )
+        for group in gmsh.model.getPhysicalGroups()
+    ]
+    _, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    with tempfile.TemporaryDirectory(dir=job["folder"]) as folder:
+        unrolled, plain = Path(folder) / "all.geo_unrolled", Path(folder) / "plain.geo"
+        gmsh.write(str(unrolled))
+        lines = unrolled.read_text(encoding="latin-1").splitlines()
+        kept = (line for line in lines if _PLAIN.fullmatch(line.strip()))
+        plain.write_text("\n".join(kept), encoding="latin-1")
+        gmsh.model.remove()
+        gmsh.model.add("plain")
+        gmsh.merge(str(plain))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+    if [entity for entity in gmsh.model.getEntities() if entity[0] >= 1] != parts:
+        raise RefusedError(
+            f"{job['key']}.file = '{job['name']}': holds more than a geometry, which cannot be "
+            "meshed with other sizes; leave out accuracy"
+        )
+    gmsh.model.removePhysicalGroups()
+    for dimension, tag, members, name in groups:
+        gmsh.model.addPhysicalGroup(dimension, members, tag, name)

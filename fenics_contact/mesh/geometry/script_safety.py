@@ -1,8 +1,8 @@
 """Gmsh's geometry scripts that a scene may use: those that only make a geometry and its mesh.
 
 A ``.geo`` file is a program. It can start others, write files and read any. What a script may
-say is listed in ``geometry_words``; the rest is refused before Gmsh sees it, and Gmsh is given
-the script as it was understood here (``geometry_tokens``).
+say is listed in ``script_words``; the rest is refused before Gmsh sees it, and Gmsh is given
+the script as it was understood here.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from fenics_contact.mesh.geometry import allowed_words as words
-from fenics_contact.mesh.geometry.script_statements import (
+from fenics_contact.mesh.geometry import script_words as words
+from fenics_contact.mesh.geometry.script_words import (
     ScriptError,
     Token,
     statements_of,

@@ -25,8 +25,7 @@ from fenics_contact.mesh.readers.abaqus_elements import (
 )
 from fenics_contact.mesh.readers.abaqus_sets import Sets, Surfaces, whole_number
 from fenics_contact.mesh.readers.element_kinds import as_gmsh
-from fenics_contact.mesh.readers.file_lines import FileLines, Line
-from fenics_contact.mesh.readers.found_mesh import FoundMesh
+from fenics_contact.mesh.readers.found_mesh import FileLines, FoundMesh, Line
 
 # They make, move or copy nodes and elements, each in a way of its own.
 _MAKERS = frozenset(

@@ -11,7 +11,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Flags, Integers
 from fenics_contact.mesh.readers.element_kinds import NAMES, dimension_of
-from fenics_contact.mesh.readers.file_lines import Line
+from fenics_contact.mesh.readers.found_mesh import Line
 
 #: What messages say that a mesh may have.
 KNOWN_TYPES = (

@@ -10,19 +10,13 @@ import numpy as np
 from fenics_contact.common.arrays import Integers
 from fenics_contact.mesh.readers.abaqus_elements import Elements
 from fenics_contact.mesh.readers.element_kinds import SIDES, dimension_of
-from fenics_contact.mesh.readers.file_lines import Line
-from fenics_contact.mesh.readers.found_mesh import outer_sides
+from fenics_contact.mesh.readers.found_mesh import Line, outer_sides
 
 LARGEST = 2**53  # a number of a node or of an element, at the most
 
 
 def whole_number(line: Line, text: str) -> int:
-    """A number of a node or of an element.
-
-    Args:
-        line: For messages.
-        text: That number.
-    """
+    """A number of a node or of an element."""
     try:
         value = int(text)
     except ValueError:
@@ -207,12 +201,7 @@ class Surfaces:
         self._surfaces.append(_Surface(options["NAME"], scope, kind, list(data)))
 
     def of_sides(self, elements: Elements, members: Members) -> dict[str, Facets]:
-        """Surfaces of sides by name: their nodes, by Gmsh's type.
-
-        Args:
-            elements: All of the mesh.
-            members: Of sets.
-        """
+        """Surfaces of sides by name: their nodes, by Gmsh's type."""
         found: dict[str, Facets] = {}
         for surface in self._surfaces:
             for line in surface.data if surface.kind == "ELSET" else ():
@@ -224,11 +213,7 @@ class Surfaces:
         return found
 
     def of_nodes(self, members: Members) -> dict[str, Integers]:
-        """Surfaces of nodes by name: the nodes' numbers.
-
-        Args:
-            members: Of sets.
-        """
+        """Surfaces of nodes by name: the nodes' numbers."""
         return {
             surface.name: np.concatenate(
                 [_numbers(surface, line, members)[0] for line in surface.data]

@@ -15,8 +15,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Integers
 from fenics_contact.mesh.readers.element_kinds import NAMES, SIDES, as_gmsh, dimension_of
-from fenics_contact.mesh.readers.file_lines import FileLines, Line
-from fenics_contact.mesh.readers.found_mesh import FoundMesh
+from fenics_contact.mesh.readers.found_mesh import FileLines, FoundMesh, Line
 
 _EXPONENT = re.compile(r"(?<=[\d.])(?=[+-]\d+$)")
 _LARGEST = 2**53
@@ -40,11 +39,7 @@ class Card:
         self.word = first.rstrip("*").upper()
 
     def goes_on(self, line: Line) -> bool:
-        """Whether a line continues the card; its fields are taken then.
-
-        Args:
-            line: That follows.
-        """
+        """Whether a line continues the card; its fields are taken then."""
         first, fields = _fields(line.text)
         if first and first[0] not in "+*":
             return False

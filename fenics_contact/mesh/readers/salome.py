@@ -15,8 +15,7 @@ import numpy as np
 from fenics_contact.common.arrays import Integers
 from fenics_contact.mesh.geometry.process_room import RefusedError
 from fenics_contact.mesh.readers.element_kinds import NAMES
-from fenics_contact.mesh.readers.file_lines import require_whole
-from fenics_contact.mesh.readers.found_mesh import FoundMesh
+from fenics_contact.mesh.readers.found_mesh import FoundMesh, require_whole
 
 
 def read(job: dict[str, Any]) -> FoundMesh:

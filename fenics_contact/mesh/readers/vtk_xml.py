@@ -18,8 +18,7 @@ import numpy as np
 from fenics_contact.common.arrays import Integers
 from fenics_contact.mesh.geometry.process_room import RefusedError
 from fenics_contact.mesh.readers.element_kinds import as_gmsh, dimension_of
-from fenics_contact.mesh.readers.file_lines import require_whole
-from fenics_contact.mesh.readers.found_mesh import FoundMesh
+from fenics_contact.mesh.readers.found_mesh import FoundMesh, require_whole
 
 # Gmsh's types by meshio's names.
 _KINDS = {
@@ -126,11 +125,7 @@ class _Scan:
         self._format = ""
 
     def read(self, path: Path) -> None:
-        """Look through a file.
-
-        Args:
-            path: The file.
-        """
+        """Look through a file."""
         parser = expat.ParserCreate()
         parser.StartDoctypeDeclHandler = self._doctype
         parser.StartElementHandler = self._start

@@ -71,7 +71,7 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
     if problem.inertia.moves:  # what loads do not hold, they move
         return FreeMotion(len(motions), 0.0, "none: bodies move", motions)
     _require_something(problem, rigid)
-    earlier = [t for t in times_to_judge(problem.scene, problem.can_pair_anew) if t < last]
+    earlier = [t for t in times_to_judge(problem.scene, problem.can_update_pairing) if t < last]
     for time in earlier:
         problem.set_time(time)
         rigid = RigidMotions(problem)
@@ -114,7 +114,7 @@ def _at_present(problem: Problem, rigid: RigidMotions) -> FreeMotion:
     _require_resisted(problem, rigid, closing)
     _require_pressed(problem, rigid, closing)
     among = np.eye(rigid.count)
-    if problem.can_pair_anew:  # where Coulomb's friction acts at the end is not known yet
+    if problem.can_update_pairing:  # where Coulomb's friction acts at the end is not known yet
         among = null_space(_friction_gram(problem.comm, rigid.slips(coulomb=True)))
     share, motion = _share_of_friction(problem, rigid, among)
     held_by = rigid.describe(motion) if share > 0 else "none: held by the obstacles"

@@ -265,7 +265,7 @@ def contact_cones(problem: Problem, rigid: RigidMotions) -> ContactCones:
 
 
 def _average(points: Integers, averages: dict[int, csr_matrix]) -> csr_matrix:
-    """Of all points: contacts that average nothing have ones.
+    """Factors of all points: contacts that average nothing have ones.
 
     Args:
         points: Contact and place of each, (points, 2).

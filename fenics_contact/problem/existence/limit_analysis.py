@@ -210,7 +210,7 @@ def _slips(rows: Array, motion: Array) -> tuple[Array, Array]:
 def _next_share(
     running: list[_Trial], low: float, high: float, tolerance: float, missed: bool
 ) -> float:
-    """Just beside the share at which the distance is expected to vanish, else in the middle."""
+    """A share next to that at which the distance is expected to vanish, else the middle."""
     last, root, beside = running[-1], _root(running), 0.4 * tolerance
     share = root + beside
     if missed:

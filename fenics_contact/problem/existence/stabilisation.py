@@ -73,7 +73,7 @@ def _off_contacts(problem: Problem) -> Flags:
 
 
 def determining_dofs(problem: Problem, fields: Array, nodes: Flags | None) -> Integers | None:
-    """As many dofs as there are fields that vanish only together with these; collective.
+    """Dofs, as many as there are fields, that let these vanish only together; collective.
 
     Each is the one that moves farthest in what the earlier ones leave (pivoted QR), so that the
     forces on them are no larger than what is out of balance elsewhere.

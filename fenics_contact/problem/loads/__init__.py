@@ -1,28 +1,30 @@
-"""Work of loads on displacements, a file for each kind: tractions, pressures, body forces.
+"""Loads of a scene: kinds that act on a body, each with its work, with their paths (paper, (1.8)).
 
-A new kind is a file of its own and a line in ``LAWS``; the key that it is given by is marked with a
+A new kind is a class and a line in ``LAWS``; the key that it is given by is marked with a
 ``LoadKind`` in ``scene/loading/conditions.py``. ``register`` adds one at run time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
-import numpy as np
+from dolfinx import fem
 
-from fenics_contact.body.spaces import Spaces
-from fenics_contact.problem.loads.acting_load import ActingLoad
-from fenics_contact.problem.loads.body_force import BodyForce
-from fenics_contact.problem.loads.given_load import GivenLoad
-from fenics_contact.problem.loads.pressure import Pressure
-from fenics_contact.problem.loads.traction import Traction
+from fenics_contact.problem.loads.acting_load import ActingLoad, LoadSite
+from fenics_contact.problem.loads.given_values import BodyForce, Pressure, Traction
+from fenics_contact.problem.loads.inertia import Acceleration, Rotation
+from fenics_contact.problem.loads.resultant import Resultant
 from fenics_contact.scene.loading.conditions import Load
 from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.reference import add_key, remove_key
 from fenics_contact.scene.values import Value
 
-LAWS: dict[str, type[ActingLoad]] = {law.kind: law for law in (Traction, Pressure, BodyForce)}
+LAWS: dict[str, type[ActingLoad]] = {
+    law.kind: law for law in (Traction, Pressure, BodyForce, Resultant, Acceleration, Rotation)
+}
 
 
 def register(law: type[ActingLoad], value: Any) -> None:
@@ -46,29 +48,29 @@ def unregister(kind: str) -> None:
     del LAWS[kind]
 
 
-def given_loads(loads: tuple[Load, ...], spaces: Spaces) -> list[GivenLoad]:
+def given_loads(loads: tuple[Load, ...], site: LoadSite) -> list[GivenLoad]:
     """Return the loads of a scene that are not zero everywhere; collective.
 
     Raises:
         InputError: The body lacks what a load acts on, or a value cannot be evaluated.
     """
     found = [
-        load_of_components(load, load.definition.components(load.value), f"load[{number}]", spaces)
+        load_of_components(load, load.components, f"load[{number}]", site)
         for number, load in enumerate(loads)
     ]
     return [load for load in found if load is not None]
 
 
 def load_of_components(
-    load: Load, components: Sequence[Value], key: str, spaces: Spaces
+    load: Load, components: Sequence[Value], key: str, site: LoadSite
 ) -> GivenLoad | None:
     """Return a load of a scene whose value has other components, as its derivative has; collective.
 
     Args:
         load: Of the scene.
-        components: Those of its value, or their derivatives by a number of it.
+        components: Those of its value, or their slopes in a number of it.
         key: Of the load, for messages.
-        spaces: Those of the body.
+        site: The body.
 
     Returns:
         None where it is zero everywhere.
@@ -76,16 +78,27 @@ def load_of_components(
     Raises:
         InputError: The body lacks what the load acts on, or a value cannot be evaluated.
     """
-    law, key_of_value = LAWS[load.kind], f"{key}.{load.kind}"
-    group = law.place(load.on, f"{key}.on", spaces)
-    nodes = spaces.nodes(group)
-    nodal = np.stack(
-        [spaces.evaluate(v, nodes, f"{key_of_value}[{i}]") for i, v in enumerate(components)],
-        axis=1,
-    )
-    if spaces.comm.allreduce(int(np.count_nonzero(nodal))) == 0:
+    acting = LAWS[load.kind].of(load, components, key, site)
+    if acting is None:
         return None
-    coefficient = spaces.coefficient(law.field(nodal), nodes)
-    acting = law(coefficient, group, spaces, tuple(components), key_of_value)
-    name = f"{load.definition.words} on {load.on}"
-    return GivenLoad(name, acting, KeyedPath(load.path, f"{key}.path"))
+    return GivenLoad(load.words, acting, KeyedPath(load.path, f"{key}.path"))
+
+
+@dataclass(frozen=True, eq=False)
+class GivenLoad:
+    """A load of a scene with its path.
+
+    Attributes:
+        name: For results.
+        acting: The load where the path is 1.
+        path: Its factor over pseudo-time.
+    """
+
+    name: str
+    acting: ActingLoad
+    path: Callable[[float], float]
+
+    @cached_property
+    def form(self) -> fem.Form:
+        """Linear form of its work, compiled; collective when first asked for."""
+        return self.acting.compiled()

@@ -1,1 +1,1 @@
-"""Pictures of deformed bodies and obstacles."""
+"""Pictures of deformed bodies and obstacles, and the interactive view in 3D."""

@@ -12,15 +12,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.report.bodies.flat import add_legend, draw_flat
-from fenics_contact.report.bodies.obstacles import ObstacleSurface, obstacles_of
-from fenics_contact.report.bodies.picture import add_bar, colour_range, flat_figure, framed, times
+from fenics_contact.report.bodies.picture import (
+    add_bar,
+    add_legend,
+    colour_range,
+    draw_flat,
+    flat_figure,
+    framed,
+    times,
+)
 from fenics_contact.report.bodies.space import corners_of, render, seen_points
-from fenics_contact.report.bodies.view import View, cells_inside, choose_view
+from fenics_contact.report.bodies.view import (
+    ObstacleSurface,
+    View,
+    cells_inside,
+    choose_view,
+    obstacles_of,
+)
 from fenics_contact.report.contacts.film import frame_rows, write_gif
-from fenics_contact.report.drawing.display import display
 from fenics_contact.report.drawing.figures import style
-from fenics_contact.report.drawing.picture import Picture
+from fenics_contact.report.drawing.picture import Picture, display
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome

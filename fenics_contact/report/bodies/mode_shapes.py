@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.report.drawing.display import display
 from fenics_contact.report.drawing.fields import (
     Triangles,
     flat_outline,
@@ -18,6 +17,7 @@ from fenics_contact.report.drawing.fields import (
     surface,
 )
 from fenics_contact.report.drawing.figures import new_figure, set_title
+from fenics_contact.report.drawing.picture import display
 from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, WIDE
 
 if TYPE_CHECKING:

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.report.bodies.obstacles import ObstacleSurface
-from fenics_contact.report.bodies.view import View
-from fenics_contact.report.drawing.display import display
-from fenics_contact.report.drawing.facets import nodes_at
+from fenics_contact.report.bodies.view import ObstacleSurface, View
+from fenics_contact.report.drawing.cells import nodes_at
 from fenics_contact.report.drawing.fields import outline, surface, surface_edges
+from fenics_contact.report.drawing.picture import display
 from fenics_contact.report.drawing.style import COLOUR_MAP
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord

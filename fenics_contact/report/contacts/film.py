@@ -15,12 +15,10 @@ from fenics_contact.common.atomic_files import replaced_file
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.map_values import Surface
 from fenics_contact.report.contacts.maps import draw_arrows, draw_status, draw_values
-from fenics_contact.report.drawing.facets import nodes_at
+from fenics_contact.report.drawing.cells import nodes_at
 from fenics_contact.report.drawing.figures import new_figure, set_title, style, surface_of
-from fenics_contact.report.drawing.palette import palette_of
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.drawing.style import COLOURS, marks
-from fenics_contact.report.drawing.units import labelled
+from fenics_contact.report.drawing.style import COLOURS, labelled, marks, palette_of
 from fenics_contact.results.contact_points import WRITTEN, ContactTable
 from fenics_contact.results.load_history import Drive, History
 from fenics_contact.results.records.contacts import ContactRecord

@@ -1,25 +1,49 @@
-"""A contact line of a flat model, its points in order."""
+"""A contact line of a flat model, its points in order, and the values that are drawn along it.
+
+Still pictures, the slider of the report and pages of several runs all draw these values.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.report.drawing.cells import contact_pieces
 from fenics_contact.report.drawing.charts import Cylinder, chart_of
-from fenics_contact.report.drawing.facets import contact_pieces
-from fenics_contact.report.drawing.style import Mark, marks, neighbourhood
-from fenics_contact.report.drawing.units import labelled
-from fenics_contact.results.contact_points import ContactTable
+from fenics_contact.report.drawing.style import Mark, labelled, marks, neighbourhood
+from fenics_contact.results.contact_points import ContactTable, PointArray
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pyvista import UnstructuredGrid
+
+
+def shown_arrays(rows: ContactTable, contact: ContactRecord) -> dict[str, PointArray]:
+    """Return the arrays that are not zero everywhere, by their names in pictures.
+
+    Args:
+        rows: Points of a contact.
+        contact: Its entry in ``result.json``.
+    """
+    arrays = contact.own_arrays
+    return {array.words: array for array in arrays if np.nan_to_num(sizes(rows, array)).any()}
+
+
+def sizes(rows: ContactTable, array: PointArray) -> Array:
+    """Return an array's values at the points, or the lengths of its vectors, (points,)."""
+    values = rows.vectors(*array.columns)
+    return np.linalg.norm(values, axis=1) if array.is_vector else values[:, 0]
+
+
+def label(array: PointArray) -> str:
+    """Return the label of an array's axis or colour bar."""
+    return labelled(f"{array.words}, size" if array.is_vector else array.words, array.unit)
 
 
 # Normals that lean so far to both sides of a line are of one that turns back: it is unrolled.
@@ -138,11 +162,7 @@ class SurfaceLine:
 
 
 def positions(rows: ContactTable) -> tuple[int, Cylinder | None, Array]:
-    """The axis along which a line extends most, its circle if it is unrolled, and its positions.
-
-    Args:
-        rows: Points of the contact.
-    """
+    """The axis along which a line extends most, its circle if it is unrolled, and its positions."""
     points, chart = rows.vectors("x", "y", "z"), chart_of(rows)
     axis = int(np.argmax(np.ptp(points[:, :2], axis=0)))
     across = rows.numbers[("nx", "ny")[1 - axis]]
@@ -174,3 +194,87 @@ def _pieces(body: UnstructuredGrid, rows: ContactTable, contact: ContactRecord) 
         return np.zeros(len(rows.status), dtype=np.int64)
     tree = cKDTree(surface.rows.vectors("x", "y", "z"))
     return np.asarray(surface.connected[tree.query(rows.vectors("x", "y", "z"))[1]])
+
+
+PRESSURE, FRICTION, GAP, SLIP = "contact pressure", "friction traction", "gap", "slip"
+BOUND = r"friction bound, $\pm\mu p$"
+
+
+@dataclass(frozen=True)
+class LineValues:
+    """A panel's values along a contact line.
+
+    Attributes:
+        name: What they are.
+        label: Of the panel's axis.
+        values: At the points of the line, (points,); not a number where there is none.
+        bounds: Further curves that the values keep between, likewise.
+        is_peaked: Whether single points may have far more than others, which is then cut off.
+    """
+
+    name: str
+    label: str
+    values: Array
+    bounds: list[Array] = field(default_factory=list)
+    is_peaked: bool = False
+
+
+def line_values(
+    line: SurfaceLine, contact: ContactRecord, kept: Collection[str] = ()
+) -> list[LineValues]:
+    """The curves worth drawing: what is found, and what is not zero all along.
+
+    Args:
+        line: The contact line.
+        contact: Its entry in ``result.json``.
+        kept: Names of those that are worth it in another load step.
+    """
+    found, frictional = not contact.pressure_is_given, contact.carries_shear
+    gap = line.rows.numbers["gap"]
+    is_apart = (np.isfinite(gap) & ~line.rows.closed).any()
+    own = {array.words: array for array in contact.own_arrays if array.words in kept}
+    own |= shown_arrays(line.rows, contact)
+    return [
+        *([pressure_along(line)] if found or not frictional else []),
+        *([friction_along(line, contact)] if frictional else []),
+        *([gap_along(line)] if found and (is_apart or GAP in kept) else []),
+        *(LineValues(name, label(array), sizes(line.rows, array)) for name, array in own.items()),
+    ]
+
+
+def pressure_along(line: SurfaceLine) -> LineValues:
+    """The contact pressure."""
+    pressure = line.rows.numbers["contact_pressure"]
+    return LineValues(
+        PRESSURE, labelled("contact pressure, $p$", "stress"), pressure, is_peaked=True
+    )
+
+
+def friction_along(line: SurfaceLine, contact: ContactRecord) -> LineValues:
+    """The friction traction with its bound ±g, on the side (or sides) where it lies.
+
+    Args:
+        line: The contact line.
+        contact: Its entry in ``result.json``.
+    """
+    traction, numbers = line.traction, line.rows.numbers
+    bounds, bound = [], numbers.get("friction_bound")
+    if bound is None and contact.coulomb_coefficient:
+        bound = contact.coulomb_coefficient * numbers["contact_pressure"]
+    if bound is not None:
+        sides = [side for side in (1, -1) if (side * traction > 0.02 * bound.max()).any()]
+        bounds = [side * bound for side in sides]
+    words = labelled(r"friction traction, $\sigma_T$", "stress")
+    return LineValues(FRICTION, words, traction, bounds, is_peaked=True)
+
+
+def gap_along(line: SurfaceLine) -> LineValues:
+    """Gap along a contact line, NaN where nothing is opposite (length)."""
+    gap = line.rows.numbers["gap"]
+    return LineValues(GAP, labelled("gap", "length"), np.where(np.isfinite(gap), gap, np.nan))
+
+
+def slip_along(line: SurfaceLine) -> LineValues:
+    """The slip since the start along the surface; none where nothing faces a point."""
+    slip = np.where(np.isfinite(line.rows.numbers["gap"]), line.slip, np.nan)
+    return LineValues(SLIP, labelled("slip, $s$", "length"), slip)

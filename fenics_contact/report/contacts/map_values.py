@@ -13,11 +13,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.report.contacts.own_arrays import label, shown_arrays, sizes
+from fenics_contact.report.contacts.line import label, shown_arrays, sizes
+from fenics_contact.report.drawing.cells import contact_pieces
 from fenics_contact.report.drawing.charts import Chart, chart_of
-from fenics_contact.report.drawing.facets import contact_pieces
-from fenics_contact.report.drawing.style import neighbourhood
-from fenics_contact.report.drawing.units import labelled
+from fenics_contact.report.drawing.style import labelled, neighbourhood
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 

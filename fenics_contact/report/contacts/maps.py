@@ -67,12 +67,7 @@ def draw_maps(
 
 
 def map_figure(surface: Surface, every: Sequence[MapValues]) -> tuple[Figure, list[Axes]]:
-    """A panel for the status, and one for each of what else is shown.
-
-    Args:
-        surface: The map.
-        every: What else is shown.
-    """
+    """A panel for the status, and one for each of what else is shown."""
     across, up = surface.size
     width = DOUBLE / (1 + len(every))
     height = float(np.clip((width - 0.5) * up / across + 1.2, *_HEIGHTS))

@@ -20,8 +20,7 @@ from fenics_contact.report.contacts.curves import (
     finish_curves,
 )
 from fenics_contact.report.contacts.film import zone_of
-from fenics_contact.report.contacts.line import SurfaceLine
-from fenics_contact.report.contacts.line_values import BOUND, LineValues, line_values
+from fenics_contact.report.contacts.line import BOUND, LineValues, SurfaceLine, line_values
 from fenics_contact.report.contacts.map_values import (
     MapValues,
     Surface,
@@ -39,7 +38,7 @@ from fenics_contact.report.contacts.maps import (
     map_figure,
     status_look,
 )
-from fenics_contact.report.drawing.frames import Frame, numbers, save_frame
+from fenics_contact.report.drawing.picture import Frame, numbers, save_frame
 from fenics_contact.report.drawing.style import Mark, marks
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord

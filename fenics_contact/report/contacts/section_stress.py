@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.report.drawing.cells import contact_pieces
 from fenics_contact.report.drawing.charts import Cylinder, chart_of
-from fenics_contact.report.drawing.facets import contact_pieces
 from fenics_contact.report.drawing.fields import Triangles, largest_shear
 from fenics_contact.report.drawing.figures import new_figure, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE, neighbourhood
-from fenics_contact.report.drawing.units import labelled, with_unit
-from fenics_contact.report.formulas.recognition import AnalyticContact
+from fenics_contact.report.drawing.style import COLOUR_MAP, WIDE, labelled, neighbourhood, with_unit
+from fenics_contact.report.recognition import AnalyticContact
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.run import Outcome

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.report.drawing.units import labelled, with_unit
+from fenics_contact.report.drawing.style import labelled, with_unit
 from fenics_contact.results.contact_points import ContactTable
 
 if TYPE_CHECKING:

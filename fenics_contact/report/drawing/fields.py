@@ -1,4 +1,4 @@
-"""The body of a run with its fields, and its surface as triangles: from its files, by pyvista."""
+"""The fields of a run from its files: whole or damaged, the body, and its surface as triangles."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+from xml.etree import ElementTree
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.errors import InputError
 from fenics_contact.results.contact_points import BODY_OF_CELLS
 
 if TYPE_CHECKING:
@@ -245,3 +247,60 @@ def segments(lines: PolyData) -> Array:
     ends = np.asarray(lines.lines).reshape(-1, 3)[:, 1:]
     found: Array = np.asarray(lines.points, dtype=float)[ends]
     return found
+
+
+_END = b"</VTKFile>"
+_NEEDED = ("displacement", "stress", "status", "contact_pressure", "friction_traction")
+
+
+def whole_body(folder: Path) -> UnstructuredGrid:
+    """The body as a pyvista grid with the fields of the last step, once all files are looked at.
+
+    Args:
+        folder: Of a run, with ``fields.pvd``.
+
+    Raises:
+        InputError: A file is missing or damaged; says which.
+    """
+    grids = list(_named(folder / "fields.pvd", "DataSet", "file"))
+    for grid in grids:
+        pieces = list(_named(grid, "Piece", "Source"))
+        for piece in pieces:
+            _require_end(piece)
+    for piece in pieces:  # of the last step; what is missing VTK would make up
+        content = piece.read_bytes()
+        missing = [name for name in _NEEDED if f'Name="{name}"'.encode() not in content]
+        if missing:
+            raise _damaged(piece, f"it lacks {', '.join(missing)}")
+    try:
+        return read_body(folder)
+    except (KeyError, ValueError) as error:  # of a file that is damaged inside
+        raise _damaged(grids[-1], str(error)) from None
+
+
+def _named(path: Path, tag: str, attribute: str) -> Iterator[Path]:
+    """The files that a file names, which lie beside it."""
+    _require_end(path)
+    try:
+        found = [entry.attrib[attribute] for entry in ElementTree.parse(path).iter(tag)]
+    except (ElementTree.ParseError, KeyError) as error:
+        raise _damaged(path, str(error)) from None
+    if not found:
+        raise _damaged(path, "it names no files")
+    yield from (path.parent / name for name in found)
+
+
+def _require_end(path: Path) -> None:
+    """A file that was cut off has no end."""
+    try:
+        with path.open("rb") as file:
+            file.seek(max(path.stat().st_size - 2 * len(_END), 0))
+            rest = file.read()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if _END not in rest:
+        raise _damaged(path, "its end is missing")
+
+
+def _damaged(path: Path, why: str) -> InputError:
+    return InputError(f"{path}: damaged: {why}; make the run again")

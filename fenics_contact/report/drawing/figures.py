@@ -1,17 +1,28 @@
-"""Matplotlib figures of panels that look alike, each as a PNG and, for papers, as a PDF."""
+"""Matplotlib figures of panels that look alike, for pages and, with their data, for papers.
+
+Within ``for_paper`` the pictures of a report are drawn as vectors in the width asked for, each into
+the folder ``figures`` beside where the report has it. Text keeps its size in points, so that it is
+as large in print as here. Beside a figure stands a CSV file with what its curves are drawn from.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
-from fenics_contact.common.atomic_files import replaced_file
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.atomic_files import make_folder, replace_file, replaced_file
 from fenics_contact.common.wording import printable
-from fenics_contact.report.drawing.paper import Paper, wanted, write_data
-from fenics_contact.report.drawing.style import STYLE
+from fenics_contact.report.drawing.style import LINES, STYLE
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:
@@ -19,8 +30,89 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.transforms import Bbox
 
+FOLDER = "figures"
+INCH = 25.4  # mm
+
+
+@dataclass(frozen=True)
+class Paper:
+    """How figures are wanted.
+
+    Attributes:
+        format: ``pdf`` or ``svg``.
+        width: Of each (mm); None as the report has them.
+    """
+
+    format: str
+    width: float | None = None
+
+    def size(self, given: tuple[float, float]) -> tuple[float, float]:
+        """Width and height in inches of a figure that the report would have as given.
+
+        Narrower ones stay as high, as the letters of their axes do.
+        """
+        if self.width is None:
+            return given
+        width = self.width / INCH
+        return width, given[1] * max(width / given[0], 1.0)
+
+    def file(self, path: Path) -> Path:
+        """Where a figure goes, whose picture in the report has a path; the folder is made."""
+        make_folder(path.parent / FOLDER)
+        return path.parent / FOLDER / f"{path.stem}.{self.format}"
+
+
+_wanted: ContextVar[Paper | None] = ContextVar("paper", default=None)
+
+
+def wanted() -> Paper | None:
+    """How figures are wanted at present; None for those of a report."""
+    return _wanted.get()
+
+
+@contextmanager
+def for_paper(paper: Paper) -> Iterator[None]:
+    """Within it, pictures are drawn for a paper."""
+    token = _wanted.set(paper)
+    try:
+        yield
+    finally:
+        _wanted.reset(token)
+
+
+def write_data(figure: Figure, path: Path) -> None:
+    """Write the points of all curves of a figure: a row a point, with its panel and its curve.
+
+    Args:
+        figure: Matplotlib's.
+        path: Of the CSV file; none is written for a figure without curves.
+    """
+    rows = [row for number, panel in enumerate(figure.axes, 1) for row in _rows(panel, number)]
+    if not rows:
+        return
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(["panel", "x_label", "y_label", "curve", "x", "y"])
+    writer.writerows(rows)
+    replace_file(path, text.getvalue().encode())
+
+
+def _rows(panel: Axes, number: int) -> Iterator[list[object]]:
+    """Yield the rows of a panel's curves whose names do not begin with an underscore."""
+    for line in panel.get_lines():
+        if line.get_transform() != panel.transData:  # as a line at 0 across the whole panel
+            continue
+        label = str(line.get_label())
+        name = "" if label.startswith("_") else label
+        places = np.column_stack([np.asarray(values, float) for values in line.get_data()])
+        for x, y in places[np.isfinite(places).all(axis=1)].tolist():
+            yield [number, panel.get_xlabel(), panel.get_ylabel(), name, x, y]
+
+
 _LETTER = 0.068  # width of a letter of a title in inches, about
 _PAD = 0.04  # around a figure whose margins are cut off, in inches
+# Points from which on a curve has no marks.
+_MANY = 60
 _ROW = 0.3  # height of a row of a legend with the room around it, in inches
 
 
@@ -131,22 +223,14 @@ def _save_for(paper: Paper, figure: Figure, path: Path) -> None:
 
 
 def tight_box(figure: Figure) -> Bbox:
-    """Lay a figure out for good, and return its box without margins, in inches.
-
-    Args:
-        figure: Matplotlib's.
-    """
+    """Lay a figure out for good, and return its box without margins, in inches."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     return figure.get_tightbbox().padded(_PAD)
 
 
 def plain_ticks(figure: Figure) -> None:
-    """Numbers on axes that are no formulas look the same, and take a third of the time.
-
-    Args:
-        figure: Matplotlib's.
-    """
+    """Numbers on axes that are no formulas look the same, and take a third of the time."""
     from matplotlib.ticker import ScalarFormatter
 
     class Plain(ScalarFormatter):  # type: ignore[misc]
@@ -186,3 +270,18 @@ def title_of(panels: list[str], contact: ContactRecord) -> str:
     """Return a title, such as: Contact pressure and gap on 'top'."""
     words = in_words(panels)
     return f"{words[0].upper()}{words[1:]} on {surface_of(contact)}"
+
+
+def line(panel: Axes, x: Array, y: Array, label: str, number: int) -> None:
+    """Draw one of several curves, told apart by colour and dashes.
+
+    Args:
+        panel: Matplotlib's axes.
+        x: To the right, (points,).
+        y: Upwards, likewise.
+        label: Of the legend.
+        number: Of the curve, from 0.
+    """
+    colour, dashes = LINES[number % len(LINES)]
+    mark = "." if len(x) <= _MANY else ""
+    panel.plot(x, y, linestyle=dashes, color=colour, marker=mark, label=label)

@@ -1,14 +1,24 @@
-"""Style of all pictures: marks of contact points, and the shown surroundings."""
+"""Style of all pictures: marks of contact points, surroundings, colours, and units of labels."""
 
 from __future__ import annotations
 
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.record import UnitsRecord
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 # Widths in inches: of one column of a journal, of one and a half, and of two.
 COLUMN, WIDE, DOUBLE = 3.5, 5.5, 7.2
@@ -133,3 +143,80 @@ def neighbourhood(points: Array, closed: Flags) -> tuple[Array, Array]:
     low, high = zone.min(axis=0), zone.max(axis=0)
     reach = 0.5 * _NEIGHBOURHOOD * (high - low).max()
     return (low + high) / 2 - reach, (low + high) / 2 + reach
+
+
+_LARGE = 150_000  # bytes from which a picture is made smaller for a page
+_EVERY = 4  # pixels between those that colours are chosen from
+
+
+def palette_of(pictures: list[NDArray[np.uint8]]) -> Image:
+    """The 256 colours of pictures, (height, width, 3) each, as Pillow takes them."""
+    from PIL import Image
+
+    # Without a share of their own, colours of a few points alone would be given up.
+    height, width = pictures[0].shape[:2]
+    own = [np.full((height // 12, width, 3), _rgb(colour)) for colour in COLOURS.values()]
+    return Image.fromarray(np.concatenate([*pictures, *own]).astype(np.uint8)).quantize(256)
+
+
+def small_png(path: Path) -> bytes:
+    """The content of a PNG file, with fewer colours if it is large."""
+    content = path.read_bytes()
+    if len(content) < _LARGE:
+        return content
+    from PIL import Image
+
+    picture = Image.open(io.BytesIO(content)).convert("RGB")
+    palette = palette_of([np.asarray(picture)[::_EVERY, ::_EVERY]])
+    small = io.BytesIO()
+    picture.quantize(palette=palette, dither=Image.Dither.NONE).save(small, "PNG")
+    return min(content, small.getvalue(), key=len)
+
+
+def _rgb(colour: str) -> tuple[int, ...]:
+    return tuple(int(colour[i : i + 2], 16) for i in (1, 3, 5))
+
+
+_units: ContextVar[UnitsRecord | None] = ContextVar("units of the run that is drawn", default=None)
+
+
+@contextmanager
+def in_units(units: UnitsRecord | None) -> Iterator[None]:
+    """Within it, what is drawn bears the units of a run, if it has some.
+
+    Args:
+        units: Of its ``result.json``.
+    """
+    before = _units.set(units)
+    try:
+        yield
+    finally:
+        _units.reset(before)
+
+
+def unit_of(measured: str) -> str:
+    """The unit of what is measured, such as ``stress``; empty where the run has no units."""
+    units = _units.get()
+    return "" if units is None else units.of(measured)
+
+
+def labelled(words: str, measured: str) -> str:
+    """Return the label of an axis or colour bar, with its unit in brackets, if the run has one.
+
+    Args:
+        words: Such as ``contact pressure``.
+        measured: Such as ``stress``.
+    """
+    unit = unit_of(measured)
+    return f"{words} ({unit})" if unit else words
+
+
+def with_unit(value: float | str, measured: str) -> str:
+    """A number and its unit, if the run has one.
+
+    Args:
+        value: In words, or it is written with four digits.
+        measured: What it measures.
+    """
+    unit, number = unit_of(measured), value if isinstance(value, str) else f"{value:.4g}"
+    return f"{number} {unit}" if unit else number

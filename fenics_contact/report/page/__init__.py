@@ -1,1 +1,1 @@
-"""``report.html``: the page, its tables, its HTML."""
+"""Pages in HTML: of a run, of a sweep, of a fit, of several runs, and of a file of geometry."""

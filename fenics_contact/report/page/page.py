@@ -1,13 +1,13 @@
-"""The page of a run: all it has to say, in one file that needs nothing else to be shown.
+"""The page of a run, one file that needs nothing else to be shown, and the parts that analyses add.
 
 A section is a template of its name and a line in ``SECTIONS``; analyses bring their own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from importlib import resources
+from pathlib import Path
 
 from markupsafe import Markup
 
@@ -15,11 +15,63 @@ from fenics_contact.analyses import registry
 from fenics_contact.common import program
 from fenics_contact.report.drawing.picture import Picture
 from fenics_contact.report.page import tables
-from fenics_contact.report.page.templates import render
+from fenics_contact.report.page.templates import render, style_sheet
+from fenics_contact.report.run_to_draw import RunToDraw
 from fenics_contact.results.check_messages import level_rows
+from fenics_contact.results.quantities import headlines
 from fenics_contact.results.records.run import RunRecord
-from fenics_contact.results.words.headlines import headlines
-from fenics_contact.results.words.tables import branch_rows, cycle_rows, cycle_words
+from fenics_contact.results.tables import branch_rows, cycle_rows, cycle_words
+
+
+@dataclass(frozen=True)
+class AnalysisSection:
+    """A section of the page.
+
+    Attributes:
+        key: Its address in the page, and the name of its template in the folder of the analysis.
+        name: Its heading.
+        values: What the template has names for.
+    """
+
+    key: str
+    name: str
+    values: Mapping[str, object]
+
+
+class AnalysisPage:
+    """Part of a run's page by an analysis, ``PAGE`` of the module ``page`` of its folder."""
+
+    def section(self, result: RunRecord) -> AnalysisSection | None:
+        """Return the section of the page that an analysis has, None if it has nothing to say.
+
+        Args:
+            result: The content of ``result.json``.
+        """
+        return None
+
+    def pictures(self, run: RunToDraw) -> Iterator[Picture]:
+        """Draw what the files of a run show of it.
+
+        Raises:
+            InputError: A display is missing; says what to install.
+        """
+        return iter(())
+
+    def write_own(self, folder: Path) -> Path:
+        """Write a page of its own, of the file that ``Analysis.page_of`` names.
+
+        Returns:
+            The path of the page.
+
+        Raises:
+            InputError: A file is missing or damaged, or a library is.
+            MachineError: The page could not be written.
+        """
+        raise NotImplementedError
+
+    def animations(self, run: RunToDraw) -> Iterator[Picture]:
+        """Draw what moves, which papers cannot have."""
+        return iter(())
 
 
 @dataclass(frozen=True)
@@ -122,11 +174,6 @@ def page(content: Content) -> str:
         is_of_script=result.scene.startswith("# This file cannot be run"),
         **{name: value for section in of_analyses for name, value in section.values.items()},
     )
-
-
-def style_sheet() -> Markup:
-    """How pages look."""
-    return Markup(resources.files(__package__).joinpath("report.css").read_text(encoding="utf-8"))
 
 
 def _outcome(result: RunRecord) -> str:

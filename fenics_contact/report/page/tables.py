@@ -23,13 +23,12 @@ from fenics_contact.results.quantities import (
     without_value,
 )
 from fenics_contact.results.records.contacts import ContactRecord
-from fenics_contact.results.records.model import Model, Seconds
 from fenics_contact.results.records.record import ErrorRow, UnitsRecord
-from fenics_contact.results.records.run import Outcome
+from fenics_contact.results.records.run import Model, Outcome, Seconds
 from fenics_contact.results.records.steps import CheckRecord, StepRecord
 from fenics_contact.results.result import check_of
-from fenics_contact.results.words.rounding import rounded, sizes_of
-from fenics_contact.results.words.tables import (
+from fenics_contact.results.rounding import rounded, sizes_of
+from fenics_contact.results.tables import (
     error_rows,
     headed,
     motion_words,

@@ -15,7 +15,7 @@ from markupsafe import Markup, escape
 
 from fenics_contact.analyses import registry
 from fenics_contact.common.wording import printable
-from fenics_contact.report.drawing.palette import small_png
+from fenics_contact.report.drawing.style import small_png
 
 _KINDS = {".png": "image/png", ".gif": "image/gif"}
 
@@ -89,3 +89,13 @@ def bar(share: float, words: str, failed: bool = False) -> Markup:
 def verdict(passed: bool) -> Markup:
     """Whether a check passed."""
     return _piece("verdict", passed)
+
+
+def file_text(name: str) -> Markup:
+    """Text of a style sheet or a script of this folder, as a page holds it."""
+    return Markup(resources.files(__package__).joinpath(name).read_text(encoding="utf-8"))
+
+
+def style_sheet() -> Markup:
+    """The style of all pages."""
+    return file_text("report.css")

@@ -1,4 +1,4 @@
-"""All of ``result.json``."""
+"""All of ``result.json``; the model, the solver, the meshes and the time that they took."""
 
 from __future__ import annotations
 
@@ -17,10 +17,156 @@ from fenics_contact.results.records.contacts import (
     SlipLimitRecord,
     SupportRecord,
 )
-from fenics_contact.results.records.cycles import CyclesRecord
-from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Model, Seconds
 from fenics_contact.results.records.record import Errors, Quantities, Record, UnitsRecord
-from fenics_contact.results.records.steps import BranchRecord, CheckRecord, StepRecord
+from fenics_contact.results.records.steps import BranchRecord, CheckRecord, CyclesRecord, StepRecord
+from fenics_contact.scene.values import Kinematics
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RigidMotion(Record):
+    """A rigid motion that the supports leave free.
+
+    Attributes:
+        motion: What moves how, in words.
+        bodies: Connected parts that take part.
+        resisted_by: Contacts and stabilisations that may resist it.
+    """
+
+    motion: str
+    bodies: list[str]
+    resisted_by: list[str]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Model(Record):
+    """The model of a run, and the solver that it had.
+
+    Attributes:
+        kinematics: As in the scene.
+        degree: Of the displacement's polynomials.
+        cell: Shape of the cells.
+        bodies: Names of the connected parts.
+        cells: Number of cells.
+        dofs: Number of displacement unknowns.
+        contact_points: Number of rows of `contact.csv`.
+        ranks: Number of MPI ranks.
+        solver: The linear solver: condensed, full or iterative.
+        solver_reason: Why it was chosen.
+        solver_memory_mb: Memory that it was expected to need (MB).
+        strategy: How friction and pressure are brought together.
+        scalar_unknowns: Names of unknowns beside displacements, as the depth of an obstacle.
+        terms: The energy terms modelled.
+        free_rigid_motions: Number of rigid motions that the supports leave free.
+        rigid_motions: These motions.
+        stabilised_motions: Those that nothing resisted, and that a stabilisation holds.
+        used_share_of_limit_load: Share of all friction that it takes to hold the loads, 1 at the
+            limit load.
+        symmetry: Planes of symmetry that the model ends in, or `none`.
+        time_step: Length of each step of a motion (time).
+        free_modes: Number of modes, rigid motions beside, that a motion moves in.
+        free_modes_error: How far its contact forces and kinetic energy may be off for lack of
+            others, over the largest: the check `free_modes`.
+        bulk_factorisations: How often the stiffness of the bodies was factorised.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
+        {"time_step", "free_modes", "free_modes_error", "bulk_factorisations"}
+    )
+
+    kinematics: Kinematics
+    degree: int = 1
+    cell: str = ""
+    bodies: list[str] = field(default_factory=list)
+    cells: int = 0
+    dofs: int = 0
+    contact_points: int
+    ranks: int = 1
+    solver: str = ""
+    solver_reason: str = ""
+    solver_memory_mb: int = 0
+    strategy: str = ""
+    scalar_unknowns: list[str] = field(default_factory=list)
+    terms: list[str] = field(default_factory=list)
+    free_rigid_motions: int = 0
+    rigid_motions: list[RigidMotion] = field(default_factory=list)
+    stabilised_motions: list[str] = field(default_factory=list)
+    used_share_of_limit_load: float = 0.0
+    symmetry: str = "none"
+    time_step: float | None = None
+    free_modes: int | None = None
+    free_modes_error: float | None = None
+    bulk_factorisations: int | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LevelRecord(Record):
+    """A mesh on the way to an accuracy.
+
+    Attributes:
+        dofs: Number of displacement unknowns.
+        cells: Number of cells.
+        seconds: What it took (s).
+        energy_error: Error of the displacement over it, in the energy norm; null where it is not
+            known.
+        errors: Quantity asked for → estimated relative error in all.
+        sources: Quantity asked for → source → estimated relative error.
+    """
+
+    dofs: int
+    cells: int
+    seconds: float
+    energy_error: float | None = None
+    errors: Mapping[str, float | None]
+    sources: Errors = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AccuracyRecord(Record):
+    """Accuracy that a scene asks for, and whether the run reached it.
+
+    Attributes:
+        asked: Quantity → relative error that is allowed.
+        reached: Whether all estimated errors are below.
+        reason: Why they are not.
+        by_energy: Quantities for which meshes were refined by errors in the energy norm, as they
+            have no adjoint that would weigh these → why.
+    """
+
+    asked: Mapping[str, float]
+    reached: bool
+    reason: str = ""
+    by_energy: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Seconds(Record):
+    """Where the time went, of the slowest rank in each phase.
+
+    Attributes:
+        mesh: Making or reading meshes (s).
+        compile: Compiling forms (s).
+        assemble: Assembling matrices and vectors (s).
+        factorise: Factorising matrices (s).
+        solve: All else of solving (s).
+        output: Quantities, checks and files (s).
+        errors: Estimating errors (s).
+        derivatives: Finding derivatives that the scene asks for (s).
+        vibration: Finding modes that the scene asks for, and driving them (s).
+        stability: Finding modes of steady sliding that the scene asks for (s).
+        total: From the start to the end (s).
+    """
+
+    mesh: float = 0.0
+    compile: float = 0.0
+    assemble: float = 0.0
+    factorise: float = 0.0
+    solve: float = 0.0
+    output: float = 0.0
+    errors: float = 0.0
+    derivatives: float = 0.0
+    vibration: float = 0.0
+    stability: float = 0.0
+    total: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -1,21 +1,34 @@
-"""Supports, loads and preloads of a body, and points whose displacement is a quantity."""
+"""Loads, preloads and points of a scene.
+
+The kinds that a load may be of, the marks of its keys, are in ``load_kinds``.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from typing import Annotated, Any
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE
+from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, PRESSURE_INTEGRAL
+from fenics_contact.scene.loading.inertia_kinds import AccelerationKind, Rotation, RotationKind
 from fenics_contact.scene.loading.load_kinds import LoadKind, kinds_of
+from fenics_contact.scene.loading.resultant_kind import ResultantKind
 from fenics_contact.scene.quantity_names import require_name
-from fenics_contact.scene.units.dimensions import BODY_FORCE, FORCE, LENGTH, PLACE, STRESS
+from fenics_contact.scene.units.dimensions import (
+    ACCELERATION,
+    BODY_FORCE,
+    FORCE,
+    MOMENT,
+    PLACE,
+    STRESS,
+)
 from fenics_contact.scene.values import (
     PER_AXIS,
     RAMP,
-    AxisName,
+    Kinematics,
     LoadPath,
     Number,
     Positive,
@@ -24,37 +37,12 @@ from fenics_contact.scene.values import (
     scene_class,
 )
 
-
-@scene_class
-class Support:
-    """Prescribed displacement components (the paper's Γ_D).
-
-    >>> Support("left", {"x": 0, "y": lambda x: 0.01 * x[1]}).path(2.0)
-    1.0
-    """
-
-    on: Annotated[Text, Field(description="physical group: a boundary, or the whole body")]
-    displacement: Annotated[
-        Mapping[AxisName, Annotated[Value, LENGTH]],
-        Field(min_length=1, description="component → value; such as `{ x = 0 }`"),
-    ]
-    path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
-    name: Annotated[
-        Text | None,
-        Field(
-            description="name in the results, by default that of the group; reactions of supports "
-            "of the same name add up"
-        ),
-    ] = None
-
-    def __post_init__(self) -> None:
-        if self.name is not None:
-            require_name(self.name)
-
-    @property
-    def label(self) -> str:
-        """Name in results and messages."""
-        return self.name or self.on
+RESULTANT = ResultantKind(
+    "force",
+    PRESSURE_INTEGRAL,
+    keys=("force", "moment", "at", "distribution"),
+    needs=("force", "moment"),
+)
 
 
 @scene_class
@@ -63,7 +51,7 @@ class Load:
 
     >>> Load("right", traction=(-300, 0), pressure=300)
     Traceback (most recent call last):
-    fenics_contact.common.errors.SceneError: Load: give exactly one of traction, pressure and body_force
+    fenics_contact.common.errors.SceneError: Load: give exactly one of traction, pressure, body_force, force or moment, acceleration and rotation
     """  # noqa: E501
 
     on: Annotated[Text, Field(description="physical group: boundary, or body for a body force")]
@@ -84,16 +72,70 @@ class Load:
         Field(description="force per volume, one entry per axis"),
     ] = None
     path: Annotated[LoadPath, Field(description="of the load over the load steps")] = RAMP
+    force: Annotated[
+        Annotated[tuple[Annotated[Number, FORCE], ...], PER_AXIS] | None,
+        RESULTANT,
+        Field(
+            description="resultant over a boundary, one entry per axis, alone or with a `moment`; "
+            "of the part that is modelled, over the whole turn in axisymmetric models"
+        ),
+    ] = None
+    moment: Annotated[
+        Annotated[Number, MOMENT]
+        | Annotated[tuple[Annotated[Number, MOMENT], ...], Field(min_length=3, max_length=3)]
+        | None,
+        RESULTANT,
+        Field(
+            description="couple over a boundary, alone or with a `force`; a number in the plane, "
+            "counterclockwise, else one entry per axis"
+        ),
+    ] = None
+    at: Annotated[
+        Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS] | None,
+        RESULTANT,
+        Field(description="where the `force` acts; by default at the centroid of the boundary"),
+    ] = None
+    distribution: Annotated[
+        Literal["linear", "bearing"] | None,
+        RESULTANT,
+        Field(
+            description="of the `force`: by default a traction linear in the place, which does "
+            'not stiffen the boundary; `"bearing"`: pressure of a pin on one half of a hole'
+        ),
+    ] = None
+    acceleration: Annotated[
+        Annotated[tuple[Annotated[Number, ACCELERATION], ...], PER_AXIS] | None,
+        AccelerationKind("acceleration", MAX_CONTACT_PRESSURE),
+        Field(
+            description="force per mass, as that of gravity, one entry per axis; needs densities"
+        ),
+    ] = None
+    rotation: Annotated[
+        Rotation | None,
+        RotationKind("rotation", MAX_CONTACT_PRESSURE),
+        Field(description="rotates about an axis; centrifugal forces, from densities"),
+    ] = None
 
     def __post_init__(self) -> None:
-        *others, last = kinds_of(type(self))
-        if sum(getattr(self, key) is not None for key in (*others, last)) != 1:
+        if len(self._given) != 1:
+            kinds = kinds_of(type(self))
+            *others, last = [" or ".join(kind.needs) or key for key, kind in kinds.items()]
             raise ValueError(f"give exactly one of {', '.join(others)} and {last}")
+        self.definition.require(self.value)
+
+    @property
+    def _given(self) -> list[str]:
+        """Names of the kinds of which it has keys."""
+        return [
+            name
+            for name, kind in kinds_of(type(self)).items()
+            if any(getattr(self, key) is not None for key in kind.keys or (name,))
+        ]
 
     @property
     def kind(self) -> str:
-        """The key that it is given by, such as ``traction``."""
-        return next(key for key in kinds_of(type(self)) if getattr(self, key) is not None)
+        """The key that it is given by, such as ``traction``; of several the one that names it."""
+        return self._given[0]
 
     @property
     def definition(self) -> LoadKind:
@@ -101,9 +143,69 @@ class Load:
         return kinds_of(type(self))[self.kind]
 
     @property
+    def words(self) -> str:
+        """Name in results and messages, such as ``traction on right``."""
+        return f"{self.definition.words_of(self.value)} on {self.on}"
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The keys that it is given by, with their values."""
+        keys = self.definition.keys or (self.kind,)
+        return {key: value for key in keys if (value := getattr(self, key)) is not None}
+
+    @property
     def value(self) -> Any:
-        """The value of its kind, such as that of ``traction``."""
-        return getattr(self, self.kind)
+        """The value of its kind, such as that of ``traction``; of several keys all of them."""
+        return self.given if self.definition.keys else self.given[self.kind]
+
+    @property
+    def components(self) -> tuple[Value, ...]:
+        """Components of what acts on the body."""
+        return self.definition.components(self.value)
+
+    def vectors(self, key: str) -> dict[str, tuple[Value, ...]]:
+        """Return the lists that need an entry per axis of the model, by their keys.
+
+        Args:
+            key: Its own, such as ``load[0]``.
+        """
+        return self.definition.vectors(self.value, self._key_of_value(key))
+
+    def require_model(self, kinematics: Kinematics, key: str) -> None:
+        """Refuse what a kinematic model cannot have.
+
+        Args:
+            kinematics: Such as ``axisymmetric``.
+            key: Its own, such as ``load[0]``.
+
+        Raises:
+            ValueError: In words that begin with the key.
+        """
+        self.definition.require_model(self.value, kinematics, self._key_of_value(key))
+
+    def _key_of_value(self, key: str) -> str:
+        return key if self.definition.keys else f"{key}.{self.kind}"
+
+    def times(self, factor: float) -> Load:
+        """Return a multiple of the load, on the same path.
+
+        Args:
+            factor: 1 leaves it as it is.
+        """
+        value = self.definition.times(self.value, factor)
+        return replace(self, **(value if self.definition.keys else {self.kind: value}))
+
+    def slopes(self, names: Sequence[str]) -> tuple[Value, ...] | None:
+        """Return the derivatives of the components by one number of the load.
+
+        Args:
+            names: Of the number's key in the load, such as ``["traction", "1"]``.
+
+        Returns:
+            None where there is no derivative by that number.
+        """
+        inner = names if self.definition.keys else names[1:]
+        return self.definition.slopes(self.value, inner)
 
 
 @scene_class

@@ -7,12 +7,13 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from fenics_contact.analyses.wear_cycles.table import CycleJump
+from fenics_contact.scene.core_scene import LoadCycles
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
-from fenics_contact.scene.values import Integer, Number, Positive, Repetition, scene_class
+from fenics_contact.scene.values import Integer, Number, Positive, scene_class
 
 
 @scene_class
-class Cycles:
+class Cycles(LoadCycles):
     """A piece of all load paths that runs again and again, until the answer does so, too.
 
     Between ``begin`` and ``end`` all paths together are one cycle; it is 4 long here, and comes 50
@@ -74,8 +75,3 @@ class Cycles:
     def __post_init__(self) -> None:
         if self.begin >= self.end:
             raise ValueError(f"begin = {self.begin:g} must be less than end = {self.end:g}")
-
-    @property
-    def repetition(self) -> Repetition:
-        """When it runs."""
-        return Repetition(self.begin, self.end - self.begin, self.number)

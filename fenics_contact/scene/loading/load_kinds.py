@@ -1,4 +1,4 @@
-"""Kinds of loads: what a scene says of the value under each key that a load can be given by.
+"""The kinds that a load of a scene may be of: what the value is under the key that it is given by.
 
 What a load of a kind does to a body is a class in ``problem/loads``.
 """
@@ -10,7 +10,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fenics_contact.scene.values import Profile, Value
+from fenics_contact.scene.values import (
+    Kinematics,
+    Profile,
+    Value,
+)
 
 
 def times(value: Any, factor: float) -> Any:
@@ -69,10 +73,38 @@ class LoadKind:
         words: Name of the kind in results, such as ``body force``.
         measured_by: Name of the quantity that tells how large a small change of the value is,
             such as ``max_contact_pressure``.
+        keys: Of a kind that several keys give together: these, the first of which names it. Each
+            has the mark, and the value is a mapping of those that are given.
+        needs: Of these keys, those of which one must be given.
     """
 
     words: str
     measured_by: str
+    keys: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+
+    def words_of(self, value: Any) -> str:
+        """Return the name of a load in results."""
+        return self.words
+
+    def require(self, value: Any) -> None:
+        """Refuse a value that contradicts itself.
+
+        Raises:
+            ValueError: In words.
+        """
+
+    def require_model(self, value: Any, kinematics: Kinematics, key: str) -> None:
+        """Refuse a value that a kinematic model cannot have.
+
+        Args:
+            value: As a scene gives it.
+            kinematics: Such as ``axisymmetric``.
+            key: Of the value, such as ``load[0].traction``; of several keys that of the load.
+
+        Raises:
+            ValueError: In words that begin with the key.
+        """
 
     def components(self, value: Any) -> tuple[Value, ...]:
         """Return the components of a value, one of them where it has no direction."""
@@ -83,7 +115,7 @@ class LoadKind:
 
         Args:
             value: As a scene gives it.
-            key: Its own, such as ``load[0].traction``.
+            key: Its own, such as ``load[0].traction``; of several keys that of the load.
         """
         return {key: value} if isinstance(value, tuple) else {}
 
@@ -112,13 +144,13 @@ class LoadKind:
 
 
 def kinds_of(table: Any) -> dict[str, LoadKind]:
-    """Return the kinds whose marks the keys of a table have, by these keys.
+    """Return the kinds whose marks the keys of a table have, by the keys that name them.
 
     Args:
         table: The class of the loads of a scene.
     """
     return {
-        name: mark
+        mark.keys[0] if mark.keys else name: mark
         for name, field in table.__pydantic_fields__.items()
         for mark in field.metadata
         if isinstance(mark, LoadKind)

@@ -6,18 +6,16 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 
 from fenics_contact.analyses import registry
 from fenics_contact.common.errors import InputError
+from fenics_contact.scene.core_scene import CoreScene, LoadCycles
 from fenics_contact.scene.loading.cycles import Cycles
-from fenics_contact.scene.steps import Steps
+from fenics_contact.scene.settings import Steps
 from fenics_contact.scene.values import LoadPath, Path
-
-if TYPE_CHECKING:
-    from fenics_contact.scene.scene import Scene
 
 # Of the last, below which two knots are one.
 _SAME = 1e-12
@@ -60,11 +58,10 @@ class KeyedPath:
         return factor
 
 
-def keyed_paths(scene: Scene) -> Iterator[KeyedPath]:
+def keyed_paths(scene: CoreScene) -> Iterator[KeyedPath]:
     """All load paths of a scene, and where it has them."""
     for number, support in enumerate(scene.support):
-        moves = any(value != 0 for value in support.displacement.values())
-        yield KeyedPath(support.path, f"support[{number}].path", moves)
+        yield KeyedPath(support.path, f"support[{number}].path", support.moves)
     for number, load in enumerate(scene.load):
         yield KeyedPath(load.path, f"load[{number}].path")
     for number, preload in enumerate(scene.preload):
@@ -82,12 +79,12 @@ def keyed_paths(scene: Scene) -> Iterator[KeyedPath]:
             yield KeyedPath(obstacle.displacement_path, f"{key}.obstacle.displacement_path", moves)
 
 
-def _tables(scene: Scene) -> list[Path]:
+def _tables(scene: CoreScene) -> list[Path]:
     """All load paths of a scene that are no functions."""
     return [one.path for one in keyed_paths(scene) if isinstance(one.path, Path)]
 
 
-def cycles_of(scene: Scene) -> Cycles | None:
+def cycles_of(scene: CoreScene) -> LoadCycles | None:
     """Return the cycles of the loads: ``[cycles]``, or those of the paths' key ``cycles``.
 
     None where there are none, or tables have several periods, and where bodies move.
@@ -101,17 +98,17 @@ def cycles_of(scene: Scene) -> Cycles | None:
     return Cycles(end=several[0].period, number=number, until="end")
 
 
-def knots(scene: Scene) -> list[float]:
+def knots(scene: CoreScene) -> list[float]:
     """Pseudo-times at which a table may change its slope, or a bolt is locked, increasing."""
     return _distinct([*_knots_as_written(scene), *_knots_of_cycles(scene)])
 
 
-def _knots_as_written(scene: Scene) -> set[float]:
+def _knots_as_written(scene: CoreScene) -> set[float]:
     locked = {p.locked_from for p in scene.preload if p.locked_from is not None}
     return {knot for path in _tables(scene) for knot in path.knots} | locked
 
 
-def _knots_of_cycles(scene: Scene) -> list[float]:
+def _knots_of_cycles(scene: CoreScene) -> list[float]:
     """Return the knots inside ``[cycles]``, repeated in every cycle."""
     cycles = scene.cycles
     if cycles is None:
@@ -129,7 +126,7 @@ def _distinct(times: list[float]) -> list[float]:
     return [b for a, b in zip([-math.inf, *every], every, strict=False) if b - a > close]
 
 
-def load_steps_of(scene: Scene) -> Steps:
+def load_steps_of(scene: CoreScene) -> Steps:
     """Load steps to the end of the last cycle: of ``[steps]`` and ``[cycles]``, or ``[motion]``."""
     steps, cycles = scene.steps, scene.cycles
     if scene.motion is not None:
@@ -153,14 +150,14 @@ def load_steps_of(scene: Scene) -> Steps:
     return Steps(times=(*before, *times))
 
 
-def load_steps_in_cycle(scene: Scene) -> int | None:
+def load_steps_in_cycle(scene: CoreScene) -> int | None:
     """How many load steps a cycle of a scene has; None of automatic ones."""
     if scene.cycles is None or scene.steps.automatic:
         return None
     return len(_times_in_cycle(scene, scene.cycles))
 
 
-def _times_in_cycle(scene: Scene, cycles: Cycles) -> list[float]:
+def _times_in_cycle(scene: CoreScene, cycles: LoadCycles) -> list[float]:
     """Ends of the load steps of a cycle, counted from its begin."""
     period = cycles.repetition.period
     if cycles.increments is None:
@@ -175,7 +172,7 @@ def _times_in_cycle(scene: Scene, cycles: Cycles) -> list[float]:
     return times
 
 
-def require_back(scene: Scene, begin: float, end: float) -> None:
+def require_back(scene: CoreScene, begin: float, end: float) -> None:
     """Refuse a cycle at whose end a path is not where it was at its begin.
 
     Args:
@@ -202,7 +199,7 @@ def _require_back(path: KeyedPath, begin: float, end: float) -> float:
     return first
 
 
-def require_cycles(scene: Scene) -> None:
+def require_cycles(scene: CoreScene) -> None:
     """Refuse cycles in which loads jump or nothing changes, or that are said twice.
 
     Raises:
@@ -244,7 +241,7 @@ def require_cycles(scene: Scene) -> None:
         _require_each_can_be_taken(scene, cycles)
 
 
-def _require_each_can_be_taken(scene: Scene, cycles: Cycles) -> None:
+def _require_each_can_be_taken(scene: CoreScene, cycles: LoadCycles) -> None:
     """Refuse cycles that are computed one after the other, and are too many or never close."""
     if cycles.number * (cycles.increments or 1) > _MOST:
         raise ValueError(f"cycles: number × increments must be at most {_MOST} load steps")
@@ -256,7 +253,7 @@ def _require_each_can_be_taken(scene: Scene, cycles: Cycles) -> None:
         )
 
 
-def times_to_judge(scene: Scene, first_only: bool) -> list[float]:
+def times_to_judge(scene: CoreScene, first_only: bool) -> list[float]:
     """Ends of load steps between which loads are combinations of those at them, increasing.
 
     Of steps between two entries of the tables the first and the last; all entries where steps
@@ -266,7 +263,7 @@ def times_to_judge(scene: Scene, first_only: bool) -> list[float]:
         scene: What is to be run.
         first_only: Leave out what comes after the first step.
     """
-    steps = scene.load_steps
+    steps = load_steps_of(scene)
     ends = list(steps.all_times)
     turns = [knot for knot in knots(scene) if 0 < knot < steps.last]
     if steps.automatic:

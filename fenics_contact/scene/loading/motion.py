@@ -5,19 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from fenics_contact.analyses import registry
-from fenics_contact.scene.contact import Contact, kinds_in_motion
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
-from fenics_contact.scene.steps import Steps
+from fenics_contact.scene.settings import Steps
 from fenics_contact.scene.units.dimensions import RATE, TIME, VELOCITY
-from fenics_contact.scene.values import PER_AXIS, RAMP, Number, Positive, scene_class
-
-if TYPE_CHECKING:
-    from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import PER_AXIS, Number, Positive, scene_class
 
 # Of a step, by which the last one may end behind the end.
 _SAME = 1e-9
@@ -146,116 +141,3 @@ class Motion:
     def size(self) -> float:
         """Length of a step as it is taken (time)."""
         return self.end / self.steps.number
-
-
-def require_motion(scene: Scene) -> None:
-    """Refuse what has no meaning, or cannot be had yet, where bodies move, and laws that need it.
-
-    Raises:
-        ValueError: In words.
-    """
-    motion = scene.motion
-    if motion is None:
-        for number, contact in enumerate(scene.contact):
-            law = contact.friction_law
-            if law is not None and law.needs_motion:
-                raise ValueError(
-                    f"contact[{number}].friction_law: {law.kind} friction follows velocities, and "
-                    "nothing moves here: give [motion]"
-                )
-        return
-    others = {
-        "steps": scene.steps != Steps(),
-        "cycles": scene.cycles is not None,
-        "half_space": scene.half_space is not None,
-        "accuracy": scene.accuracy is not None,
-        **dict.fromkeys(registry.tables_not_with(scene, "motion"), True),
-        "solver.branches": scene.solver.branches,
-        "solver.stabilisation": scene.solver.stabilisation,
-    }
-    for key, is_there in others.items():
-        if is_there:
-            raise ValueError(f"motion: bodies that move have no {key}; leave one of the two out")
-    if scene.solver.solver not in ("auto", "condensed"):
-        raise ValueError(
-            f"motion: it is solved by 'condensed', not by solver.solver = '{scene.solver.solver}'"
-        )
-    for group, velocity in motion.velocity.items():
-        if len(velocity) != scene.dimension:
-            raise ValueError(
-                f"motion.velocity.{group} has {len(velocity)} entries; a {scene.kinematics} model "
-                f"needs {scene.dimension}"
-            )
-    if scene.preload and motion.rayleigh is not None and motion.rayleigh.stiffness > 0:
-        raise ValueError(
-            "motion.rayleigh.stiffness: not beside a preload, whose shortening it would resist as "
-            "if it were a strain; give motion.rayleigh.mass"
-        )
-    _require_paths(scene)
-    _require_free_modes(scene, motion)
-    for number, contact in enumerate(scene.contact):
-        _require_contact(contact, f"contact[{number}]")
-
-
-def _require_free_modes(scene: Scene, motion: Motion) -> None:
-    """Modes are those of bodies alone: nothing damps, rubs or ties them."""
-    if motion.modes is None:
-        return
-    others = {
-        "motion.rayleigh": motion.rayleigh is not None,
-        "motion.absorbing": bool(motion.absorbing),
-        "preload": bool(scene.preload),
-    }
-    for number, contact in enumerate(scene.contact):
-        others[f"contact[{number}] with friction"] = contact.is_rough
-        others[f"contact[{number}].kind = 'bonded'"] = contact.kind == "bonded"
-    for key, is_there in others.items():
-        if is_there:
-            raise ValueError(f"motion.modes: not beside {key} yet; leave one of the two out")
-
-
-def _require_paths(scene: Scene) -> None:
-    """Refuse loads without a path of their own: the ramp of load steps would end at time 1."""
-    acting = {
-        **{f"load[{number}].path": load.path for number, load in enumerate(scene.load)},
-        **{
-            f"support[{number}].path": support.path
-            for number, support in enumerate(scene.support)
-            if any(value != 0 for value in support.displacement.values())
-        },
-        **{
-            f"preload[{number}].path": preload.path
-            for number, preload in enumerate(scene.preload)
-            if preload.locked_from is None
-        },
-    }
-    for number, contact in enumerate(scene.contact):
-        obstacle = contact.obstacle
-        if obstacle is not None and obstacle.indentation:
-            acting[f"contact[{number}].obstacle.path"] = obstacle.path
-        if obstacle is not None and obstacle.displacement is not None:
-            acting[f"contact[{number}].obstacle.displacement_path"] = obstacle.displacement_path
-    for key, path in acting.items():
-        if path == RAMP:
-            raise ValueError(
-                f"motion: {key} is missing, or is the ramp of load steps from 0 to 1: say how it "
-                "acts in time; what always acts has { time = [0], factor = [1] }, a ramp goes on "
-                "as long as the motion"
-            )
-
-
-def _require_contact(contact: Contact, key: str) -> None:
-    if contact.obstacle is not None and contact.obstacle.force is not None:
-        raise ValueError(f"motion: {key}.obstacle.force: an obstacle has no mass; move it instead")
-    if contact.wear is not None:
-        raise ValueError(f"motion: {key}.wear: bodies that move do not wear yet; leave it out")
-    if not contact.fits_motion:
-        kinds = ", ".join(kinds_in_motion())
-        raise ValueError(f"motion: {key}: only contacts that are {kinds} can move yet")
-    law = contact.friction_law
-    follows = contact.law != "static" and (law is None or law.fits_motion)
-    if contact.is_rough and not follows:
-        raise ValueError(
-            f"motion: {key}: only Coulomb's friction of law = 'incremental', or with a "
-            "friction_law of kind = 'speed dependent', follows velocities yet"
-        )

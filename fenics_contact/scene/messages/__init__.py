@@ -1,6 +1,6 @@
 """Messages on what is wrong with a scene, in one sentence: its TOML, its keys, its values.
 
-``validation`` words what pydantic found, ``toml_slips`` and ``toml_structure`` what tomllib did;
+``validation`` words what pydantic found, ``toml_slips`` what tomllib did;
 ``usual_names`` knows what engineers call things.
 """
 

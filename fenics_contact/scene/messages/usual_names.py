@@ -34,6 +34,7 @@ _KEYS = {
         **dict.fromkeys(("c", "d", "c_ijkl", "e_ijkl", "tensor"), "stiffness"),
         **dict.fromkeys(("group", "cells", "region", "domain", "body"), "on"),
         **dict.fromkeys(("rho", "ρ", "mass_density"), "density"),
+        **dict.fromkeys(("grade", "material"), "name"),
     },
     "Support": {
         **dict.fromkeys(("group", "surface", "boundary", "where", "face", "edge"), "on"),
@@ -42,8 +43,13 @@ _KEYS = {
     },
     "Load": {
         **dict.fromkeys(("group", "surface", "boundary", "where", "face", "edge"), "on"),
-        **dict.fromkeys(("t", "f", "force", "value", "values"), "traction"),
-        **dict.fromkeys(("g", "gravity", "b", "density"), "body_force"),
+        **dict.fromkeys(("t", "value", "values"), "traction"),
+        **dict.fromkeys(("f", "resultant", "remote_force"), "force"),
+        **dict.fromkeys(("torque", "couple"), "moment"),
+        **dict.fromkeys(("point", "location", "reference_point"), "at"),
+        **dict.fromkeys(("g", "gravity"), "acceleration"),
+        **dict.fromkeys(("b", "density"), "body_force"),
+        **dict.fromkeys(("centrifugal", "omega", "angular_velocity", "speed"), "rotation"),
         "p": "pressure",
         "amplitude": "path",
     },
@@ -99,10 +105,9 @@ _KEYS = {
 }
 # What a key means where the usual name says something else.
 _REMARKS = {
-    ("Load", "force", "traction"): "force per area",
-    ("Load", "f", "traction"): "force per area",
-    ("Load", "gravity", "body_force"): "density times gravity, along the axes",
-    ("Load", "g", "body_force"): "density times gravity, along the axes",
+    ("Load", "f", "force"): "a resultant, along the axes",
+    ("Load", "gravity", "acceleration"): "along the axes; needs densities",
+    ("Load", "g", "acceleration"): "along the axes; needs densities",
     ("Load", "density", "body_force"): "density times gravity, along the axes",
     ("Contact", "clearance", "interference"): "which is < 0 for a gap",
 }

@@ -1,4 +1,4 @@
-"""Units of a scene: what each of its numbers measures, values with a unit, names of units.
+"""Units of a scene: what its numbers measure, values with a unit, names, materials in SI.
 
 Without a table ``[units]`` in a scene nothing in here is asked, and pint is not loaded.
 """

@@ -47,7 +47,7 @@ class UnitNames:
         Args:
             words: Such as ``stress/length``; empty of a pure number.
         """
-        if self.per_unit_thickness and words in ("force", "energy", "impulse"):
+        if self.per_unit_thickness and words in _RESULTANTS:
             return self._of_all(f"{words}/length")
         return self._of_all(_PER_THICKNESS.get(words, words) if self.per_unit_thickness else words)
 
@@ -60,7 +60,8 @@ class UnitNames:
         power = {"area": "²", "volume": "³", "length^m": "^m"}
         named = {"length": self.length, "force": self.force}
         named |= {"stress": self.stress, "energy": self.energy, "": "", "1": "1"}
-        named |= {"time": "s", "impulse": f"{self.force}·s"}
+        named |= {"time": "s", "time²": "s²", "impulse": f"{self.force}·s"}
+        named |= {"force·length": f"{self.force}·{self.length}"}
         name = named[over] if over in named else self.length + power[over]
         if not slash:
             return name
@@ -68,7 +69,8 @@ class UnitNames:
         return f"{name}/{f'({below})' if set(below) & set('/·') else below}"
 
 
-# What models of unit thickness have in place of it.
+# What models of unit thickness have per length; and what they have in place of areas and volumes.
+_RESULTANTS = ("force", "energy", "impulse", "force·length")
 _PER_THICKNESS = {"area": "length", "volume": "area"}
 
 
@@ -169,6 +171,8 @@ LENGTH_OR_NUMBER = Dimension("length", 1, is_said=False)
 STRESS = Dimension("stress", -2, 1)
 FORCE = Dimension("force", 0, 1, is_resultant=True)
 BODY_FORCE = Dimension("force/volume", -3, 1)
+MOMENT = Dimension("force·length", 1, 1, is_resultant=True)
+ACCELERATION = Dimension("length/time²", 1, 0, -2)
 DENSITY = Dimension("mass/volume", -4, 1, 2)
 TIME = Dimension("time", 0, 0, 1)
 RATE = Dimension("1/time", 0, 0, -1)

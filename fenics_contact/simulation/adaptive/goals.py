@@ -1,4 +1,4 @@
-"""Where on a mesh the errors arise that matter for the quantities asked for.
+"""Which cells count for a quantity: where errors arise that matter.
 
 An error of a cell moves a quantity J by a_K(e, ψ), where ψ is the adjoint of J. By the same local
 problems ψ has an error e* in every cell, and what ψ has beyond it the elements follow, to which e
@@ -23,9 +23,12 @@ from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.scene.values import AXES
-from fenics_contact.simulation.sensitivities.derivatives import require_adjoint
+from fenics_contact.simulation.sensitivities.derivatives import (
+    QuantityGradient,
+    adjoint_of,
+    require_adjoint,
+)
 from fenics_contact.simulation.sensitivities.gradients import gradient_of
-from fenics_contact.simulation.sensitivities.quantity_gradient import QuantityGradient, adjoint_of
 from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -82,9 +85,8 @@ class GoalFinder:
         self.found = None
         if local is not None:
             problem = load_steps.problem
-            self.found = find_goals(
-                load_steps, local, {text: _names_of(problem, text) for text in self._asked}
-            )
+            asked = {text: _names_of(problem, text) for text in self._asked}
+            self.found = find_goals(load_steps, local, asked)
             load_steps.go_back()
 
 
@@ -129,8 +131,7 @@ def _names_of(problem: Problem, text: str) -> list[str]:
         text: Its name; of a vector this stands for all components.
     """
     name = problem.scene.names.find(text)
-    is_vector = table.is_vector(name.quantity)
-    if not is_vector or name.axis is not None:
+    if not table.is_vector(name.quantity) or name.axis is not None:
         return [text]
     return [f"{text}_{axis}" for axis in AXES[: problem.spaces.components]]
 

@@ -28,26 +28,29 @@ from fenics_contact.results.check_messages import (
     reached,
     source_advice,
 )
-from fenics_contact.results.records.model import AccuracyRecord, LevelRecord, Seconds
 from fenics_contact.results.records.record import Errors
+from fenics_contact.results.records.run import AccuracyRecord, LevelRecord, Seconds
 from fenics_contact.results.result import Result
-from fenics_contact.scene.accuracy import Accuracy
 from fenics_contact.scene.quantity_names import in_words
-from fenics_contact.simulation.adaptive.fine_enough import finer_there
+from fenics_contact.scene.settings import Accuracy
 from fenics_contact.simulation.adaptive.goals import GoalFinder
-from fenics_contact.simulation.adaptive.next_mesh import hindrance
-from fenics_contact.simulation.adaptive.relative_errors import (
+from fenics_contact.simulation.adaptive.next_mesh import finer_there, hindrance, sizes_by_curvature
+from fenics_contact.simulation.adaptive.target_mesh_size import (
+    BudgetExceededError,
+    TargetMeshSize,
+)
+from fenics_contact.simulation.adaptive.targets import (
+    asked_of,
+    balanced,
     is_met,
     measured_keys,
     others_than_mesh,
     relative_errors,
 )
-from fenics_contact.simulation.adaptive.target_mesh_size import BudgetExceededError, TargetMeshSize
-from fenics_contact.simulation.adaptive.targets import asked_of, balanced
 from fenics_contact.simulation.adaptive.transfer import transfer_state
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
-from fenics_contact.trust.convergence.level_history import LevelHistory, said, without_bars
+from fenics_contact.trust.convergence.unbounded import LevelHistory, said, without_bars
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
 logger = logging.getLogger(__name__)
@@ -87,6 +90,7 @@ class AdaptiveRun:
         self.asked = asked_of(first)
         self._goals = GoalFinder(self.asked)
         self._hindrance = hindrance(first.scene, first.problem.body, has_own_body)
+        self._first_sizes = sizes_by_curvature(first)
 
     def solve(self, solve_level: SolveLevel) -> Result:
         """Solve level after level; collective.
@@ -251,7 +255,8 @@ class AdaptiveRun:
             goals = self._goals.found
             if goals is None:
                 raise BudgetExceededError("it was not found which cells are to be smaller")
-            target = TargetMeshSize(self.run, self.levels, self.asked, errors, goals)
+            sizes = self._first_sizes
+            target = TargetMeshSize(self.run, self.levels, self.asked, errors, goals, sizes)
             body = target.mesh(self._has_own_body)
             scene = balanced(scene, result, errors, self.asked)
         self._between = from_root(comm, time.perf_counter() - began)

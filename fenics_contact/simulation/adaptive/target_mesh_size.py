@@ -1,4 +1,4 @@
-"""How many cells the next mesh is to have, and how small those at edges of contact."""
+"""How many cells the next mesh is to have, and which sizes it must not exceed."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
+from fenics_contact.contact.state import OPEN
 from fenics_contact.evaluate.contact_areas import edges
 from fenics_contact.mesh.size_field import SINGULAR
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.quantities import table
 from fenics_contact.quantities.quantity import Edge
-from fenics_contact.results.records.model import LevelRecord
 from fenics_contact.results.records.record import Errors
+from fenics_contact.results.records.run import LevelRecord
 from fenics_contact.simulation.adaptive.goals import Goals
 from fenics_contact.simulation.adaptive.next_mesh import MeshDensity, next_mesh
-from fenics_contact.simulation.adaptive.relative_errors import others_than_mesh
+from fenics_contact.simulation.adaptive.targets import others_than_mesh
 from fenics_contact.simulation.scene_run import Run
 
 # Of the cells, from one level to the next: at least and at most so many times as many.
@@ -30,15 +31,13 @@ _FEWER = 0.5
 _FIRST_ORDER = 1.4
 # What an error is to become over what is allowed.
 _AIM_AT = 0.85
-# What an area's error is to become over what is allowed: cells at an edge are few, and it varies by
-# chance. And by how much these become smaller at the most, at once.
+# Likewise of an area: cells at an edge are few, and it varies by chance. And by how much these
+# become smaller at the most, at once.
 _EDGE_AIM, _EDGE_LEAST = 0.5, 0.1
 # What an unknown error is taken to be, over what is allowed.
 _UNKNOWN = 2.0
-# Share that is left to the mesh whatever others take: they are to become smaller, too.
-_LEFT = 0.3
-# Of the dofs allowed: what Gmsh makes of sizes is about so many, not just so many.
-_FILLED = 0.9
+_LEFT = 0.3  # share of the mesh whatever others take: they are to become smaller, too
+_FILLED = 0.9  # of the dofs allowed: Gmsh makes about so many of sizes, not just so many
 _TRIES = 3
 
 
@@ -55,6 +54,8 @@ class TargetMeshSize:
         asked: Quantity → relative error that is allowed.
         errors: What they are.
         goals: Which cells count for them.
+        first_sizes: Of each contact, rows of x, y, z and a size that its surfaces are to keep,
+            on this rank (length).
     """
 
     def __init__(
@@ -64,10 +65,11 @@ class TargetMeshSize:
         asked: Mapping[str, float],
         errors: Errors,
         goals: Goals,
+        first_sizes: Sequence[Array],
     ) -> None:
         assert run.scene.accuracy is not None
         self._run, self._levels, self._asked, self._errors = run, levels, asked, errors
-        self._cells = goals.of(self._urgency())
+        self._cells, self._first_sizes = goals.of(self._urgency()), first_sizes
         self._accuracy = run.scene.accuracy
 
     def mesh(self, has_own_body: bool) -> Body:
@@ -79,7 +81,7 @@ class TargetMeshSize:
         Raises:
             BudgetExceededError: That is more than allowed.
         """
-        run, at_edges = self._run, self._edges()
+        run, at_edges, kept = self._run, self._edges(), self._kept()
         cells, dofs = self._levels[-1].cells, self._levels[-1].dofs
         most = cells * self._accuracy.max_dofs / dofs
         has_edges = total(run.problem.comm, len(at_edges)) > 0
@@ -91,7 +93,7 @@ class TargetMeshSize:
             raise used_up
         wanted = min(wanted, _FILLED * most)
         for _ in range(_TRIES):
-            density = MeshDensity(wanted, self._cells, at_edges)
+            density = MeshDensity(wanted, self._cells, np.concatenate([at_edges, *kept]))
             body = next_mesh(run.scene, run.problem, density, has_own_body)
             found = body.mesh.topology.index_map(body.dimension).size_global
             if found <= most:
@@ -105,7 +107,7 @@ class TargetMeshSize:
         What areas are off by is a matter of their edges first, where cells are made smaller anyway.
         """
         found = {name: self._mesh_ratio((name,)) for name in self._errors}
-        areas = self._asked_of([name for edge in Edge for name in table.bounded_by(edge)])
+        areas = self._areas()
         others = max((ratio for name, ratio in found.items() if name not in areas), default=1.0)
         return {name: min(r, others) if name in areas else r for name, r in found.items()}
 
@@ -127,13 +129,24 @@ class TargetMeshSize:
                     rows.append(found * [1, 1, 1, share])
         return np.concatenate(rows)
 
+    def _kept(self) -> list[Array]:
+        """Rows of the sizes that contacts are to keep which touch anywhere; collective."""
+        run = self._run
+        assert run.solution is not None
+        touches = [(state.status != OPEN).any() for state in run.solution.states]
+        found = total(run.problem.comm, np.array(touches, dtype=np.int64)) > 0
+        return [rows for rows, is_kept in zip(self._first_sizes, found, strict=True) if is_kept]
+
+    def _areas(self) -> list[str]:
+        return self._asked_of([name for edge in Edge for name in table.bounded_by(edge)])
+
     def _asked_of(self, quantities: Sequence[str], contact: str = "") -> list[str]:
         """The names asked for that are of some quantities, of a contact or of all."""
-        found = {text: self._run.scene.names.find(text) for text in self._asked}
+        find = self._run.scene.names.find
+        found = [(text, find(text)) for text in self._asked]
+        owners = ("", contact)
         return [
-            text
-            for text, name in found.items()
-            if name.quantity in quantities and (not contact or name.owner in ("", contact))
+            t for t, n in found if n.quantity in quantities and (not contact or n.owner in owners)
         ]
 
     def _mesh_ratio(self, names: Sequence[str]) -> float:
@@ -149,11 +162,7 @@ class TargetMeshSize:
     def _growth(self, has_edges: bool) -> float:
         """How many times as many cells the errors ask for, but for those of areas, at edges."""
         order = self._run.problem.spaces.degree / self._run.problem.body.dimension
-        areas = (
-            self._asked_of([name for edge in Edge for name in table.bounded_by(edge)])
-            if has_edges
-            else []
-        )
+        areas = self._areas() if has_edges else []
         growths = [
             (self._mesh_ratio((name,)) / _AIM_AT)
             ** (1 / np.clip(self._observed_order(name, order), order, 2 * order))

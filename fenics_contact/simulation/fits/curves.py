@@ -1,4 +1,4 @@
-"""Values, derivatives and errors of a run at the rows of a measured curve.
+"""A run's curve or quantity as a function of numbers of its scene, with derivatives.
 
 Between load steps a curve is straight. Over a quantity its rows are found on it in the order in
 which they were measured, from one turning point to the next: so a loop has its two branches.
@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
@@ -27,7 +28,7 @@ _BEYOND = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class CurveAnswer:
     """Answer of a run at the rows of a curve.
 
     Attributes:
@@ -46,7 +47,7 @@ class Answer:
 class Curve(Protocol):
     """A measured curve that a study can be asked along."""
 
-    def answer(self, study: Study, values: Mapping[str, float], is_judged: bool) -> Answer:
+    def answer(self, study: Study, values: Mapping[str, float], is_judged: bool) -> CurveAnswer:
         """Solve the scene with values of the parameters; collective.
 
         Args:
@@ -83,7 +84,7 @@ class _OverTime:
     def __init__(self, measured: Measured) -> None:
         self._measured = measured
 
-    def answer(self, study: Study, values: Mapping[str, float], is_judged: bool) -> Answer:
+    def answer(self, study: Study, values: Mapping[str, float], is_judged: bool) -> CurveAnswer:
         of = [self._measured.quantity]
         history = study.history(of, list(values), values, is_judged)
         times = np.array([step.load_factor for step in history.steps])
@@ -119,7 +120,7 @@ class _OverQuantity:
         self._measured = measured
         self._branches = branches(measured.at[:, 0])
 
-    def answer(self, study: Study, values: Mapping[str, float], is_judged: bool) -> Answer:
+    def answer(self, study: Study, values: Mapping[str, float], is_judged: bool) -> CurveAnswer:
         measured = self._measured
         of = [measured.over[0], measured.quantity]
         history = study.history(of, list(values), values, is_judged)
@@ -221,7 +222,7 @@ class _OverKeys:
     def __init__(self, measured: Measured) -> None:
         self._measured = measured
 
-    def answer(self, study: Study, values: Mapping[str, float], is_judged: bool) -> Answer:
+    def answer(self, study: Study, values: Mapping[str, float], is_judged: bool) -> CurveAnswer:
         measured, of = self._measured, [self._measured.quantity]
         parts = []
         for row in measured.at:
@@ -232,7 +233,7 @@ class _OverKeys:
             value = _values(history, of)[-1:, 0]
             parts.append(_answer(history, value, lambda changes: np.asarray(changes[-1:, 0])))
         names = list(parts[0].errors)
-        return Answer(
+        return CurveAnswer(
             np.concatenate([part.values for part in parts]),
             np.concatenate([part.slopes for part in parts]),
             {name: np.concatenate([p.errors[name] for p in parts], axis=1) for name in names},
@@ -254,7 +255,7 @@ def _values(history: History, of: Sequence[str]) -> Array:
     return np.array([[row[name] for name in of] for row in rows], dtype=np.float64)
 
 
-def _answer(history: History, values: Array, along: Callable[[Array], Array]) -> Answer:
+def _answer(history: History, values: Array, along: Callable[[Array], Array]) -> CurveAnswer:
     """At the rows, of a history.
 
     Args:
@@ -263,7 +264,7 @@ def _answer(history: History, values: Array, along: Callable[[Array], Array]) ->
         along: From changes of the quantities, (steps, quantities), to those at the rows.
     """
     slopes = [along(slope) for slope in history.slopes.values()]
-    return Answer(
+    return CurveAnswer(
         values,
         np.stack(slopes, axis=1) if slopes else np.zeros((len(values), 0)),
         {
@@ -272,3 +273,50 @@ def _answer(history: History, values: Array, along: Callable[[Array], Array]) ->
         },
         [history.checks] if history.checks else [],
     )
+
+
+class Objective:
+    """A quantity of a study's answers, and its exact derivatives; collective.
+
+    Attributes:
+        of: Name of the quantity.
+        by: Keys of the numbers.
+        evaluations: How many answers were asked for.
+
+    Args:
+        study: Whose answers.
+        of: Name of the quantity.
+        by: Keys of the numbers, in the order in which they are passed.
+        changes: What else is not as in the scene.
+    """
+
+    def __init__(
+        self, study: Study, of: str, by: Sequence[str], changes: Mapping[str, Any] | None = None
+    ) -> None:
+        self._study, self._changes = study, dict(changes or {})
+        self.of, self.by = of, tuple(by)
+        self.evaluations = 0
+
+    def __call__(self, values: ArrayLike) -> tuple[float, Array]:
+        """The quantity, and its gradient in the numbers; collective.
+
+        Args:
+            values: The numbers, in the order of ``by``.
+
+        Raises:
+            InputError: There are not as many numbers; or as of ``Study.derivatives``.
+            NotConvergedError: There is no answer.
+        """
+        numbers = np.atleast_1d(np.asarray(values, dtype=np.float64))
+        if numbers.shape != (len(self.by),):
+            raise InputError(
+                f"objective: {numbers.size} values were passed for {len(self.by)} numbers: "
+                + ", ".join(self.by)
+            )
+        changes = self._changes | dict(zip(self.by, numbers.tolist(), strict=True))
+        history = self._study.history([self.of], self.by, changes, is_whole=False)
+        self.evaluations += 1
+        found = row_of_step(history.steps[-1]).get(self.of)
+        if found is None:
+            raise InputError(f"objective: the answer has no {self.of}")
+        return found, np.array([history.slopes[key][-1, 0] for key in self.by])

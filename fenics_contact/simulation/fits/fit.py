@@ -14,12 +14,16 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.results.fit_record import FitRecord, FittedParameter
 from fenics_contact.simulation.description import units_of
-from fenics_contact.simulation.fits.curves import Answer, curve_of
-from fenics_contact.simulation.fits.intervals import CONFIDENCE, Intervals
+from fenics_contact.simulation.fits.curves import CurveAnswer, curve_of
+from fenics_contact.simulation.fits.intervals import CONFIDENCE, Intervals, notes_of, verdict_of
 from fenics_contact.simulation.fits.journal import FitJournal
-from fenics_contact.simulation.fits.measured import Measured, read_measured
-from fenics_contact.simulation.fits.parameters import Given, Parameter, parameters_of
-from fenics_contact.simulation.fits.words import notes_of, verdict_of
+from fenics_contact.simulation.fits.measured import (
+    Given,
+    Measured,
+    Parameter,
+    parameters_of,
+    read_measured,
+)
 from fenics_contact.simulation.studies.study import Study
 
 logger = logging.getLogger(__name__)
@@ -130,9 +134,9 @@ class _Search:
         self._journal = journal
         self._curve = curve_of(measured, study)
         self._scales = np.array([parameter.scale for parameter in parameters])
-        self._known: dict[bytes, Answer] = {}
+        self._known: dict[bytes, CurveAnswer] = {}
         self.evaluations = 0
-        self.best: Answer
+        self.best: CurveAnswer
 
     def solve(self) -> optimize.OptimizeResult:
         """Search, and judge the curve of what is found; collective."""
@@ -172,12 +176,12 @@ class _Search:
                 f"begins; leave it out, or begin elsewhere with --set {parameter.key}=VALUE"
             )
 
-    def _moves(self, answer: Answer) -> Flags:
+    def _moves(self, answer: CurveAnswer) -> Flags:
         """Whether the curve follows each parameter by more than round-off, (parameters,)."""
         moved = np.abs(answer.slopes * self._scales).max(axis=0)
         return np.asarray(moved > _NOTHING * np.abs(answer.values).max())
 
-    def _evaluate(self, scaled: Array, is_judged: bool = False) -> Answer:
+    def _evaluate(self, scaled: Array, is_judged: bool = False) -> CurveAnswer:
         values = self._values(scaled)
         self.evaluations += 1
         solve = partial(self._curve.answer, self._study, values, is_judged)

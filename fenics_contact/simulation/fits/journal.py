@@ -24,9 +24,8 @@ from fenics_contact.results.records.record import plain
 from fenics_contact.results.result import Check
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.writing import scene_text
-from fenics_contact.simulation.fits.curves import Answer
-from fenics_contact.simulation.fits.measured import Measured
-from fenics_contact.simulation.fits.parameters import Parameter
+from fenics_contact.simulation.fits.curves import CurveAnswer
+from fenics_contact.simulation.fits.measured import Measured, Parameter
 from fenics_contact.simulation.output.journal_file import JournalFile
 from fenics_contact.simulation.sweeps.points import Contents, digest_of
 
@@ -79,8 +78,8 @@ class FitJournal:
         return self._file.is_there
 
     def answer(
-        self, values: Mapping[str, float], is_judged: bool, solve: Callable[[], Answer]
-    ) -> Answer:
+        self, values: Mapping[str, float], is_judged: bool, solve: Callable[[], CurveAnswer]
+    ) -> CurveAnswer:
         """A curve from the journal, or else solved for and kept there.
 
         Args:
@@ -144,7 +143,7 @@ def _packed(text: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
     return file.getvalue()
 
 
-def _packed_answer(of: str, found: Answer) -> bytes:
+def _packed_answer(of: str, found: CurveAnswer) -> bytes:
     checks = [
         {name: dataclasses.asdict(check) for name, check in one.items()} for one in found.checks
     ]
@@ -159,16 +158,16 @@ def _read(content: bytes) -> tuple[dict[str, Any], dict[str, Any]]:
     return json.loads(str(arrays.pop(_TEXT))), arrays
 
 
-def _unpacked(content: bytes) -> Answer:
-    """A curve; or it is said again why there is none."""
+def _unpacked(content: bytes) -> CurveAnswer:
+    """Return a curve from the journal, or raise the error again with which its run ended."""
     text, arrays = _read(content)
     if "exit_code" in text:
         raise _FAILURES[text["exit_code"]](text["said"])
     return _answer_of(text, arrays)
 
 
-def _answer_of(text: Mapping[str, Any], arrays: Mapping[str, Any]) -> Answer:
-    return Answer(
+def _answer_of(text: Mapping[str, Any], arrays: Mapping[str, Any]) -> CurveAnswer:
+    return CurveAnswer(
         arrays[_VALUES],
         arrays[_SLOPES],
         {

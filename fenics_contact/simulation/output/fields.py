@@ -1,25 +1,161 @@
-"""Fields for ParaView: values at the nodes from a solution."""
+"""Fields for ParaView: nodal values of a solution, in VTK's binary XML files."""
 
 from __future__ import annotations
 
+import base64
+import html
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
+from dolfinx import plot
 from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import on_root
+from fenics_contact.common.arrays import Array, in_3d
+from fenics_contact.common.atomic_files import replace_file
+from fenics_contact.common.errors import MachineError
+from fenics_contact.common.parallel import on_root, raise_together
 from fenics_contact.contact.state import OPEN, STICK
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import BODY_OF_CELLS, facet_flags
-from fenics_contact.simulation.output.vtu import read_collection, write_collection, write_grid
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
+
+_ORDER = {"little": "LittleEndian", "big": "BigEndian"}[sys.byteorder]
+# Before 2.1 the nodes of hexahedra of degree 2 had another order.
+_VERSION = "2.2"
+_TYPES = {"float64": "Float64", "int64": "Int64", "int16": "Int16", "uint8": "UInt8"}
+
+
+def write_grid(
+    folder: Path,
+    stem: str,
+    number: int,
+    space: Any,
+    fields: Mapping[str, Array],
+    of_cells: Mapping[str, NDArray[Any]],
+) -> str:
+    """Write a grid with its fields, in one piece a rank; collective.
+
+    Args:
+        folder: Where to.
+        stem: With which the names of the files begin.
+        number: With which they end.
+        space: Lagrange space whose nodes are the grid's points.
+        fields: Values at the nodes of this rank, (nodes,) or (nodes, components).
+        of_cells: Values of the cells that this rank owns, (cells,).
+
+    Returns:
+        The name of the file that holds the pieces together.
+
+    Raises:
+        MachineError: A file could not be written; on every rank.
+    """
+    comm = space.mesh.comm
+    pieces = [f"{stem}_p{rank}_{number:06d}.vtu" for rank in range(comm.size)]
+    cells, kinds, points = plot.vtk_mesh(space)
+    # Cells that this rank owns, and only the nodes that these have.
+    width = space.dofmap.dof_layout.num_dofs
+    used, cells = np.unique(cells.reshape(-1, width + 1)[:, 1:], return_inverse=True)
+    ends = (np.arange(len(kinds)) + 1) * width
+    topology = {
+        "connectivity": cells.reshape(-1).astype(np.int64),
+        "offsets": ends.astype(np.int64),
+        "types": np.asarray(kinds, dtype=np.uint8),
+    }
+    body = (
+        f'<Piece NumberOfPoints="{len(used)}" NumberOfCells="{len(kinds)}">\n'
+        + _block("Points", {"points": points[used]})
+        + _block("Cells", topology)
+        + _block("PointData", {name: values[used] for name, values in fields.items()})
+        + _block("CellData", of_cells)
+        + "</Piece>\n"
+    )
+    error: MachineError | None = None
+    try:
+        _write(folder / pieces[comm.rank], "UnstructuredGrid", body)
+    except MachineError as caught:
+        error = caught
+    raise_together(comm, error)  # they are held together when all are written
+    whole = f"{stem}{number:06d}.pvtu"
+    on_root(comm, lambda: _write_whole(folder / whole, pieces, fields, of_cells))
+    return whole
+
+
+def _write_whole(
+    path: Path,
+    pieces: list[str],
+    fields: Mapping[str, Array],
+    of_cells: Mapping[str, NDArray[Any]],
+) -> None:
+    """The file that names the pieces of a grid."""
+    names = "".join(f'<Piece Source="{piece}"/>\n' for piece in pieces)
+    empty = {name: values[:0] for name, values in fields.items()}
+    kinds = _block("PPoints", {"points": np.zeros((0, 3))}) + _block("PPointData", empty)
+    kinds += _block("PCellData", of_cells)
+    _write(path, "PUnstructuredGrid", kinds + names)
+
+
+def write_collection(path: Path, grids: Mapping[str, float]) -> None:
+    """Write a ``.pvd``, in one move: which grid is of which pseudo-time.
+
+    Args:
+        path: Of the file.
+        grids: Names of the grids' files beside it → pseudo-time.
+    """
+    entries = (
+        f'<DataSet timestep="{time!r}" part="0" file="{name}"/>\n' for name, time in grids.items()
+    )
+    _write(path, "Collection", "".join(entries))
+
+
+def read_collection(path: Path) -> dict[str, float]:
+    """Grids of a ``.pvd`` and their pseudo-times; none where there is no such file."""
+    if not path.exists():
+        return {}
+    found = ElementTree.parse(path).getroot().iter("DataSet")
+    return {entry.attrib["file"]: float(entry.attrib["timestep"]) for entry in found}
+
+
+def _write(path: Path, kind: str, content: str) -> None:
+    text = (
+        f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="{_VERSION}" byte_order="{_ORDER}" '
+        f'header_type="UInt64">\n<{kind}>\n{content}</{kind}>\n</VTKFile>\n'
+    )
+    replace_file(path, text.encode("ascii"))
+
+
+def _block(name: str, arrays: Mapping[str, NDArray[Any]]) -> str:
+    """A block of arrays; those whose name begins with P only announce them."""
+    tag = "PDataArray" if name.startswith("PP") else "DataArray"
+    lines = [f"<{name}>\n"]
+    for key, values in arrays.items():
+        width = values.shape[1] if values.ndim == 2 else 1
+        kind = f'type="{_TYPES[values.dtype.name]}" Name={_quoted(key)}'
+        kind += f' NumberOfComponents="{width}"'
+        content = "" if tag.startswith("P") else _encoded(values)
+        lines.append(f'<{tag} {kind} format="binary">{content}</{tag}>\n')
+    return "".join([*lines, f"</{name}>\n"])
+
+
+def _quoted(text: str) -> str:
+    """Any text as an attribute of ASCII letters."""
+    kept = html.escape(text).translate({ord(c): f"&#{ord(c)};" for c in "\t\n\r"})
+    return '"' + kept.encode("ascii", "xmlcharrefreplace").decode("ascii") + '"'
+
+
+def _encoded(values: NDArray[Any]) -> str:
+    """An array's bytes behind their number, as VTK's binary arrays are."""
+    raw = np.ascontiguousarray(values).tobytes()
+    return base64.b64encode(np.uint64(len(raw)).tobytes() + raw).decode("ascii")
+
 
 # Values of the field `status`.
 NO_CONTACT, FIELD_OPEN, FIELD_STICK, FIELD_SLIP = -1.0, 0.0, 1.0, 2.0
@@ -70,7 +206,7 @@ class FieldSeries:
         """
         problem, solution = self._problem, forces.solution
         fields = {
-            "displacement": _three(solution.displacement),
+            "displacement": in_3d(solution.displacement),
             "stress": self._stress.at_nodes().reshape(-1, 9),
             **_contact_fields(problem, solution),
             **_reaction_pressure(forces),
@@ -140,7 +276,7 @@ def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:
 def _set(trace: Trace, nodal: Array, values: Array) -> None:
     """Put values at the points of a contact, scalars or vectors, into an array of the nodes."""
     if values.ndim == 2:
-        nodal[trace.nodes] = _three(values[: len(trace.nodes)])
+        nodal[trace.nodes] = in_3d(values[: len(trace.nodes)])
     else:
         nodal[trace.all_nodes] = trace.at_every_node(values)
 
@@ -175,8 +311,3 @@ def _reaction_pressure(forces: BulkForces) -> dict[str, Array]:
     for number in pushing:
         nodal += contacts[number].trace.surface.on_body(forces.pressure(number))
     return {"reaction_pressure": nodal}
-
-
-def _three(vectors: Array) -> Array:
-    """Vectors padded to three components, as VTK has them."""
-    return np.hstack([vectors, np.zeros((len(vectors), 3 - vectors.shape[1]))])

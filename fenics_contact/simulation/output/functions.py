@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from dolfinx import fem
+from dolfinx.fem import Function
 
-from fenics_contact.body.forms import Function
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.output.fields import NodalStress
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 
 @dataclass(frozen=True, eq=False)

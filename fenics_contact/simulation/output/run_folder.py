@@ -22,15 +22,15 @@ from fenics_contact.common.atomic_files import make_folder, naming, replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import attempt, failing_together
 from fenics_contact.common.parallel import on_root
+from fenics_contact.common.timings import WRITING, doing
 from fenics_contact.results.load_history import Announce
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Steps
 from fenics_contact.scene.writing import write_scene
-from fenics_contact.simulation.output.contact_rows import contact_rows
 from fenics_contact.simulation.output.fields import FieldSeries
-from fenics_contact.simulation.output.step_table import StepTable
-from fenics_contact.simulation.restart.state_file import SavedRun, StateFile
+from fenics_contact.simulation.output.tables import StepTable, contact_rows
 from fenics_contact.simulation.scene_run import Run
+from fenics_contact.simulation.state_file import SavedRun, StateFile
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 
 
@@ -196,6 +196,7 @@ def _write_scene(run: Run, folder: Path) -> str:
 
 def _finish(run: Run, result: Result, folder: Path, scene: str, notes: list[str]) -> Result:
     """Files of the end; returns the result that says what could not be written."""
+    doing(WRITING)
     comm = run.problem.comm
     with run.timings.phase("output"):
         run.analyses.write_fields(run.problem, result, folder, notes)
@@ -317,8 +318,8 @@ def _write_tables(result: Result, folder: Path, scene: str) -> None:
 
 
 def _write_result(result: Result, folder: Path, scene: str) -> None:
-    for part in registry.parts_of_result(result, "files"):
-        for name, rows in part.tables(result).items():
+    for part in registry.parts_of_result(result, "words"):
+        for name, rows in part.WORDS.files(result).items():
             _replace(folder / name, rows)
     # Last, and in one move: where it exists, the run is complete.
     content = _finite(result.record(scene).as_dict())

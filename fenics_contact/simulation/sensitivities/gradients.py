@@ -14,13 +14,14 @@ from fenics_contact.quantities import table
 from fenics_contact.quantities.names import OF_POINTS
 from fenics_contact.quantities.quantity import Together
 from fenics_contact.scene.quantity_names import QuantityName
-from fenics_contact.simulation.sensitivities.contact_gradients import (
+from fenics_contact.simulation.sensitivities.quantity_gradients import (
     CONTACT_GRADIENTS,
+    MODEL_GRADIENTS,
     ContactGradient,
+    StateGradient,
+    of_point,
 )
-from fenics_contact.simulation.sensitivities.model_gradients import MODEL_GRADIENTS, of_point
-from fenics_contact.simulation.sensitivities.state_gradient import StateGradient
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.measured import measured
 
 _OF_CONTACTS: dict[str, ContactGradient] = dict(CONTACT_GRADIENTS)

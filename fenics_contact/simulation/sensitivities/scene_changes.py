@@ -15,18 +15,17 @@ import numpy as np
 from fenics_contact.body.elasticity import Isotropic
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
+from fenics_contact.contact.against_obstacle import ObstacleKinematics
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.kinematics.against_obstacle import ObstacleKinematics
-from fenics_contact.contact.kinematics.rigid_obstacle import DIRECTIONS
 from fenics_contact.contact.point_gradients import GivenChange
+from fenics_contact.contact.rigid_obstacle import DIRECTIONS
 from fenics_contact.problem.loads import load_of_components
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.resultant import Resultant
-from fenics_contact.problem.scalars.shortening import Shortening
+from fenics_contact.problem.scalar_kinds import Resultant, Shortening
 from fenics_contact.scene.loading.load_kinds import slope_of
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Value
-from fenics_contact.simulation.sensitivities.values import found_in, numbered, value_under
+from fenics_contact.simulation.sensitivities.scene_values import found_in, numbered, value_under
 
 _OF_PROFILES = "of a profile, only the values have"
 _MODULI = ("youngs_modulus", "poissons_ratio")
@@ -132,19 +131,25 @@ class SceneChanges:
 
     def _of_load(self, key: str, number: int, rest: list[str]) -> Change:
         problem, load = self.problem, self.problem.scene.load[number]
-        if rest[0] != load.kind:
+        if rest[0] == "path":
             raise _refused(key, "it is part of a path")
-        slopes = load.definition.slopes(load.value, rest[1:])
+        slopes = load.slopes(rest)
         if slopes is None:
             raise _refused(key, _OF_PROFILES)
-        unit = load_of_components(load, slopes, f"load[{number}]", problem.spaces)
+        unit = load_of_components(load, slopes, f"load[{number}]", problem.load_site)
         if unit is None:  # it acts beyond the body alone
             return Change()
-        nodal = unit.nodal_of_units(problem.discrete.found.setdefault("loads", {}))
+        nodal = unit.acting.nodal_of_units(problem.discrete.found.setdefault("loads", {}))
         return Change(load=unit.path(self.time) * nodal)
 
     def _of_support(self, key: str, number: int, rest: list[str]) -> Change:
         problem, support = self.problem, self.problem.scene.support[number]
+        if support.rotation is not None and rest == ["rotation", "angle"]:
+            unit_turn = replace(support.rotation, angle=1.0)
+            found = problem.supports.rotation_slopes(number, unit_turn, self.time)
+            return Change(prescribed=self._at_constrained(problem.supports.dofs, found))
+        if rest[0] == "rotation":
+            raise _refused(key, "of a support's rotation, the angle has")
         if rest[0] != "displacement":
             raise _refused(key, "it is part of a path")
         axis = next(axis for axis in support.displacement if axis == rest[1])
@@ -171,8 +176,12 @@ class SceneChanges:
         return [one for one in self.problem.body_scalars if isinstance(one, Shortening)]
 
     def _of_material(self, key: str, number: int, rest: list[str]) -> Change:
+        if rest == ["density"]:
+            return self._of_density(number)
         if len(rest) != 1 or rest[0] not in _MODULI:
-            raise _refused(key, "of materials, Young's modulus and Poisson's ratio as numbers have")
+            raise _refused(
+                key, "of materials, Young's modulus, Poisson's ratio and density as numbers have"
+            )
         problem = self.problem
         if not isinstance(problem.elastic.law, Isotropic) or problem.body_scalars:
             raise _refused(key, "moduli have where all materials are isotropic, without preloads")
@@ -194,6 +203,15 @@ class SceneChanges:
             columns |= dict(zip(own, found, strict=True))
         prescribed = self._at_constrained(problem.far_field.dofs, known)
         return Change(prescribed=prescribed, columns=columns, modulus=(number, rest[0]))
+
+    def _of_density(self, number: int) -> Change:
+        """Return the change of the loads that follow from masses."""
+        problem = self.problem
+        found = np.zeros_like(problem.load)
+        for load in problem.loads:
+            slope = load.acting.nodal_by_density(number, problem.load_site)
+            found += 0.0 if slope is None else load.path(self.time) * slope
+        return Change(load=found)
 
     def _of_contact(self, key: str, number: int, rest: list[str]) -> Change:
         contact = self.problem.contacts[number]

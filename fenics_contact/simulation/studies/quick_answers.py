@@ -23,8 +23,7 @@ from fenics_contact.simulation.studies.warm_start import Uniqueness, WarmStart
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.solve.systems.system import FindBody
+from fenics_contact.solve.systems.solution import FindBody, Solution
 
 # How an answer was begun: as a separate run does; at the last answer, where there is one answer
 # only; or there all the same.

@@ -1,11 +1,13 @@
-"""The load steps of an answer with the derivatives of each: of what numbers of a scene change.
+"""The load steps of an answer with the derivatives of each, and the errors known of each.
 
-Beside these stand the errors that are known of each step, which change quantities as loads do.
+A quantity of a load step depends on the steps before by the slip that they left. All quantities of
+all steps go back together, so that each step's tangent is made once. Errors change quantities as
+loads do.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -21,12 +23,77 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.sensitivities.history_slopes import history_slopes
+from fenics_contact.simulation.sensitivities.derivatives import (
+    QuantityGradient,
+    adjoint_of,
+    of_step_before,
+    require_adjoint,
+    that_count,
+)
+from fenics_contact.simulation.sensitivities.gradients import gradient_of
+from fenics_contact.simulation.sensitivities.quantity_gradients import StateGradient
 from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneChanges
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+
+# What is changed in a load step, by a name; called when the problem is in its state.
+ChangesAt = Callable[[AcceptedStep], Mapping[str, Change]]
+
+
+def history_slopes(
+    load_steps: LoadSteps,
+    system: CondensedSystem,
+    steps: Sequence[AcceptedStep],
+    of: Sequence[str],
+    changes_at: ChangesAt,
+    is_whole: bool = True,
+) -> list[dict[str, Array]]:
+    """Derivatives of quantities at load steps; collective.
+
+    Args:
+        load_steps: That were taken; they are at their last step again afterwards.
+        system: That has solved them.
+        steps: All of them.
+        of: Names of quantities.
+        changes_at: What is differentiated by, the same names in every step.
+        is_whole: Whether those of all load steps are found, or of the last one alone.
+
+    Returns:
+        Of each step, or of the last one: name of the change → derivative of each quantity,
+        (quantities,).
+
+    Raises:
+        InputError: A quantity has no derivative, or the history has none.
+    """
+    problem, last = system.problem, steps[-1]
+    require_adjoint(problem)
+    follows = len(that_count(problem, steps)) > 1
+    found: dict[AcceptedStep, dict[str, Array]] = {}
+    going_back: dict[tuple[AcceptedStep, int], StateGradient] = {}
+    for step in reversed(steps):
+        if step is not last and not (is_whole or follows):
+            break
+        load_steps.go_back_to(step)
+        changes = changes_at(step)
+        if is_whole or step is last:
+            found[step] = {name: np.zeros(len(of)) for name in changes}
+            for place, name in enumerate(of):
+                going_back[step, place] = gradient_of(problem, step.solution, name)
+        adjoint = adjoint_of(system)
+        for (one, place), state in going_back.items():
+            gradient = QuantityGradient(adjoint, step, state)
+            for name, change in changes.items():
+                found[one][name][place] += gradient.along(change)
+            going_back[one, place] = of_step_before(problem, gradient)
+        if not follows:
+            going_back.clear()
+    load_steps.go_back_to(last)
+    return [found[step] for step in steps if step in found]
+
 
 # Signs of the cells' errors: as they are, and drawn, lest they seem to cancel.
 _DRAWS = (None, 0, 1)

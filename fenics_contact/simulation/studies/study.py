@@ -18,9 +18,8 @@ from fenics_contact.scene.reading import scene_of_text
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.scene_run import Run
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives
-from fenics_contact.simulation.studies.body_of_study import BodyOfStudy
-from fenics_contact.simulation.studies.changes import refuse_accuracy, with_changes
-from fenics_contact.simulation.studies.kept_body import KeptBody
+from fenics_contact.simulation.sensitivities.scene_values import refuse_accuracy, with_changes
+from fenics_contact.simulation.studies.kept_body import BodyOfStudy, KeptBody
 from fenics_contact.simulation.studies.quick_answers import Answer, QuickAnswers
 from fenics_contact.simulation.studies.saved_body import SavedBody, save_body, text_of
 from fenics_contact.simulation.studies.solved_derivatives import solved_derivatives
@@ -353,9 +352,8 @@ class Study:
             MachineError: A file could not be written.
         """
         from fenics_contact.analyses.wear_cycles.table import CycleJump
-        from fenics_contact.analyses.wear_cycles.wear_cycle import one_cycle
+        from fenics_contact.analyses.wear_cycles.wear_cycle import WornFiles, one_cycle
         from fenics_contact.analyses.wear_cycles.wear_cycles import WearCycles
-        from fenics_contact.analyses.wear_cycles.worn_files import WornFiles
 
         scene = self.changed(changes)
         with failing_together(self.comm):

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import fcntl
+import hashlib
 import logging
+import pickle
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,21 +14,128 @@ from typing import Any
 
 from mpi4py import MPI
 
+from fenics_contact.analyses import registry
+from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import BUG, explain
+from fenics_contact.mesh.from_gmsh import MeshArrays
+from fenics_contact.mesh.loading import load_arrays, load_body
+from fenics_contact.mesh.tagged_mesh import Body
+from fenics_contact.quantities.names import STRAIN_ENERGY
 from fenics_contact.results.result import Result
-from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.adaptive.fine_enough import first_run
+from fenics_contact.scene.scene import Scene, SolverSettings
 from fenics_contact.simulation.adaptive.levels import AdaptiveRun
+from fenics_contact.simulation.adaptive.next_mesh import first_run
 from fenics_contact.simulation.scene_run import Run
-from fenics_contact.simulation.studies.body_of_study import mesh_key
+from fenics_contact.simulation.studies.kept_body import mesh_key
 from fenics_contact.simulation.studies.quick_answers import Answer
 from fenics_contact.simulation.studies.study import Study
 from fenics_contact.simulation.sweeps.journal import Done
 from fenics_contact.simulation.sweeps.rows import row_of, row_of_quick, states_of
-from fenics_contact.simulation.sweeps.shared_meshes import SharedMeshes
-from fenics_contact.simulation.sweeps.shortcut import Shortcut
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
+
+
+class SharedMeshes:
+    """Meshes in a folder that only the processes of a sweep read and write.
+
+    Args:
+        folder: The folder, which its processes have for themselves.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def body(self, scene: Scene, key: str) -> Body:
+        """The mesh that a scene names, on this process.
+
+        The first process that needs it makes it, while the others wait. If it dies, the lock is
+        free again, and the next one makes it.
+
+        Args:
+            scene: The scene.
+            key: What its mesh follows from.
+
+        Raises:
+            InputError: It cannot be used, which the next process need not find out again.
+        """
+        file = self._folder / hashlib.sha256(key.encode()).hexdigest()
+        with file.with_suffix(".lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not file.exists():
+                replace_file(file, pickle.dumps(_made(scene)))
+        found = pickle.loads(file.read_bytes())
+        if isinstance(found, InputError):
+            raise found
+        comm = MPI.COMM_SELF
+        return load_body(scene.mesh, scene.dimension, comm, preloads=scene.preload, arrays=found)
+
+
+def _made(scene: Scene) -> MeshArrays | InputError:
+    """The mesh, or why it cannot be used."""
+    if not scene.mesh:
+        return InputError("mesh: the scene names no mesh")
+    try:
+        return load_arrays(scene.mesh, scene.dimension, scene.preload)
+    except InputError as error:
+        return error
+
+
+# Every so many is a whole run, so that fields are looked at now and then.
+_WHOLE_EVERY = 50
+# The check that takes fields asks whether anything is turned inside out or pushed through, which
+# needs strains or rotations of this size at least. They follow the root of the strain energy; from
+# the last whole run on they may grow by a margin more.
+_LARGE, _MARGIN = 0.3, 3.0
+# Of a history's largest strain energy, which its last step must have: that step alone is compared.
+_AT_THE_END = 0.5
+
+
+class Shortcut:
+    """Judges by the last whole run whether quick answers suffice for points after it."""
+
+    def __init__(self) -> None:
+        self._settings: SolverSettings | None = None
+        self._since = 0
+        self._largest, self._energy = 0.0, 0.0  # strain or rotation, and strain energy
+
+    def learn(self, scene: Scene, result: Result) -> None:
+        """Take a whole run into account.
+
+        Args:
+            scene: That was solved.
+            result: What came out.
+        """
+        self._settings, self._since = None, 0
+        if (
+            registry.takes_steps_of(scene) is not None
+            or scene.solver.errors != "none"
+            or result.model.solver != "condensed"
+        ):
+            return
+        if not result.converged:
+            return
+        energies = [step.quantities[STRAIN_ENERGY] for step in result.steps]
+        if energies[-1] < _AT_THE_END * max(energies):
+            return
+        self._settings, self._energy = scene.solver, energies[-1]
+        self._largest = max(
+            step["linear_range"][name].value
+            for step in result.steps
+            for name in ("strain", "rotation")
+        )
+
+    def is_open(self, scene: Scene) -> bool:
+        """Whether a quick answer may do for a scene."""
+        self._since += 1
+        return scene.solver == self._settings and self._since < _WHOLE_EVERY
+
+    def trusts(self, answer: Answer) -> bool:
+        """Whether a run would pass as well: all checks do, and strains stay small."""
+        if not answer.passed:
+            return False
+        grown = answer.quantities[STRAIN_ENERGY] * (_MARGIN * self._largest) ** 2
+        return bool(grown <= self._energy * _LARGE**2)
+
 
 _GROWTH = 8  # of memory, from the first mesh on the way to an accuracy to the last, roughly
 

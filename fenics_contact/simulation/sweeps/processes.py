@@ -1,4 +1,9 @@
-"""The processes of a sweep, seen from the one that leads it."""
+"""The processes of a sweep: as the one that leads it sees them, and what each of them does.
+
+Each is a program of its own, on one rank, which solves the points it is given. It is started with
+the number of a socket as its argument, never sees the MPI of the process that started it, and ends
+when the socket is closed, be it that the other one was killed.
+"""
 
 from __future__ import annotations
 
@@ -9,19 +14,23 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
 
 import fenics_contact
 from fenics_contact.common.parallel import environment_alone
-from fenics_contact.contact.laws.allowed import allowed_modules
+from fenics_contact.contact.laws.allowed import allow_laws, allowed_modules
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.sweeps import worker
-from fenics_contact.simulation.sweeps.worker import FOUND
 
-_WORKER = worker.__name__
+#: What messages of a process begin with: of memory, and of a point that is done.
+_NEEDS, _FOUND = b"n", b"f"
+_GONE = 130
+_THIS = "fenics_contact.simulation.sweeps.processes"
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _LAST_WORDS = 2000  # bytes of what a process said last
 _PATIENCE = 5.0  # seconds that a process may take to end
@@ -55,7 +64,7 @@ class WorkerProcess:
         try:
             self._process = subprocess.Popen(
                 # -P: files where it is started must not stand in for modules
-                [sys.executable, "-P", "-m", _WORKER, *given],
+                [sys.executable, "-P", "-m", _THIS, *given],
                 stdin=subprocess.DEVNULL,
                 stdout=self._said,
                 stderr=self._said,
@@ -95,7 +104,7 @@ class WorkerProcess:
             said = self.connection.recv_bytes()
         except (EOFError, OSError):
             raise DiedError(self._death()) from None
-        return said[1:] if said[:1] == FOUND else float(struct.unpack("d", said[1:])[0])
+        return said[1:] if said[:1] == _FOUND else float(struct.unpack("d", said[1:])[0])
 
     def close(self) -> None:
         """End it, and all that it has started."""
@@ -131,3 +140,37 @@ def ready(processes: Mapping[int, WorkerProcess], seconds: float) -> Iterable[in
     numbers = {id(process.connection): number for number, process in processes.items()}
     found = wait([process.connection for process in processes.values()], seconds)
     return [numbers[id(connection)] for connection in found]
+
+
+def main() -> None:
+    """Solve points until there are no more."""
+    connection = Connection(int(sys.argv[1]))
+    given: SimpleQueue[Any] = SimpleQueue()
+    threading.Thread(target=_listen, args=(connection, given), daemon=True).start()
+
+    from fenics_contact.simulation.sweeps.answers import Answers
+
+    for module in sys.argv[3:]:
+        allow_laws(module)
+
+    def need(memory: float) -> None:
+        connection.send_bytes(_NEEDS + struct.pack("d", memory))
+
+    answers = Answers(Path(sys.argv[2]), need)
+    while True:
+        scene, digest = pickle.loads(given.get())
+        _, packed = answers.answer(scene, digest)
+        connection.send_bytes(_FOUND + packed)
+
+
+def _listen(connection: Connection, given: SimpleQueue[Any]) -> None:
+    """Take what comes, also while a point is solved, and end the process with the connection."""
+    try:
+        while True:
+            given.put(connection.recv_bytes())
+    except (EOFError, OSError):
+        os._exit(_GONE)
+
+
+if __name__ == "__main__":
+    main()

@@ -9,11 +9,15 @@ from typing import Any
 
 from fenics_contact.common.errors import InputError, MachineError, NotConvergedError, StoppedError
 from fenics_contact.scene.reading import SceneFile
-from fenics_contact.simulation.sweeps import tables
-from fenics_contact.simulation.sweeps.grid import Grid
-from fenics_contact.simulation.sweeps.journal import Done, Journal
+from fenics_contact.simulation.sweeps.journal import (
+    Done,
+    Journal,
+    write_states,
+    write_summary,
+    write_table,
+)
 from fenics_contact.simulation.sweeps.leader import Announce, Leader
-from fenics_contact.simulation.sweeps.points import groups_of, points_of
+from fenics_contact.simulation.sweeps.points import Grid, groups_of, points_of
 
 _NO_ANSWER = NotConvergedError.exit_code
 _CHECK_FAILED = 4
@@ -127,11 +131,11 @@ class Sweep:
         every = [self.done.get(point.number, nothing) for point in self.points]
         rows = zip(self.grid.values(), every, strict=True)
         keys = [axis.key for axis in self.grid.axes]
-        tables.write_table(self._folder, keys, [(v, d.exit_code, dict(d.row)) for v, d in rows])
+        write_table(self._folder, keys, [(v, d.exit_code, dict(d.row)) for v, d in rows])
         numbers = {point.digest: point.number for point in self.points}
         states = ((numbers[done.digest], found) for done, found in self._journal.states())
-        tables.write_states(self._folder, states)
-        tables.write_summary(self._folder, self._summary(every))
+        write_states(self._folder, states)
+        write_summary(self._folder, self._summary(every))
 
     def _summary(self, every: Sequence[Done]) -> dict[str, Any]:
         first = next(point.scene for point in self.points if point.scene is not None)

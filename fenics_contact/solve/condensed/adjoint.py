@@ -20,13 +20,13 @@ from fenics_contact.common.parallel import from_root, gathered_on_root, total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_contacts import ContactJump
+from fenics_contact.solve.condensed.elimination import KeptLoad, KeptUnknowns
 from fenics_contact.solve.condensed.tangent import ContactTangent
-from fenics_contact.solve.condensed.unknowns import ContactVariables
 
 
 @dataclass(frozen=True, eq=False)
 class BodyGradient:
-    """Derivatives of a quantity in the body's displacement, and forces of supports in it.
+    """Gradient of a quantity in the body's displacement, and forces of supports in it.
 
     Attributes:
         displacement: At the nodes of this rank, (nodes, components).
@@ -44,7 +44,7 @@ class CondensedAdjoint:
     Args:
         problem: In the state of the tangent.
         body: Condensed.
-        variables: The unknowns.
+        kept: The unknowns.
         dense: The tangent, on rank 0.
         jumps: Of each contact that exerts forces.
     """
@@ -53,11 +53,11 @@ class CondensedAdjoint:
         self,
         problem: Problem,
         body: CondensedBody,
-        variables: ContactVariables,
+        kept: KeptUnknowns,
         dense: ContactTangent | None,
         jumps: Sequence[ContactJump | None],
     ) -> None:
-        self.problem, self.body, self.variables = problem, body, variables
+        self.problem, self.body, self.kept = problem, body, kept
         self.jumps, self._dense = jumps, dense
 
     def opposing(self, tractions: Sequence[Array | None]) -> Array:
@@ -69,13 +69,13 @@ class CondensedAdjoint:
         Args:
             tractions: At all nodes of each surface, (nodes, components); None for none.
         """
-        found = np.zeros(self.variables.count + len(self.problem.unknowns))
+        found = np.zeros(self.kept.count + len(self.problem.unknowns))
         taken = np.zeros(len(found), dtype=bool)
         for jump, traction in zip(self.jumps, tractions, strict=True):
             if jump is None or traction is None:
                 continue
             rows = from_root(self.problem.comm, self._gathered(jump, traction))
-            own = jump.columns < self.variables.count
+            own = jump.columns < self.kept.count
             columns, places = jump.columns[own], jump.rows[own]
             mine = ~taken[columns]
             found[columns[mine]] = -rows[places[mine]]
@@ -92,21 +92,22 @@ class CondensedAdjoint:
         """Λ of a quantity; collective.
 
         Args:
-            jumps: Its derivatives in the jump at all nodes of each surface, (nodes, components),
+            jumps: Its gradient in the jump at all nodes of each surface, (nodes, components),
                 with those of the virtual work of tractions on the jumps of ``start``.
             scalars: In the scalar unknowns, beside what these do to jumps and displacements.
             body: In the body, beside the contacts; None where there are none.
             start: Part of Λ that is known.
         """
         free = None if body is None else self._without_contacts(body)
-        right = self._of_unknowns(free)
-        right[self.variables.count :] += scalars
+        load = self._of_contact_dofs(free)
+        right = self._of_unknowns(free, load)
+        right[self.kept.count :] += scalars
         for jump, of_jump in zip(self.jumps, jumps, strict=True):
             if jump is None:
                 continue
             rows = self._gathered(jump, of_jump)
             if self._dense is not None:
-                onto = self._dense.constant.onto_unknowns(jump.slopes(rows))
+                onto = self._dense.inner.onto_unknowns(jump.slopes(rows))
                 right[: len(onto)] += onto
         found = None
         if self._dense is not None:
@@ -116,20 +117,15 @@ class CondensedAdjoint:
             raise NotConvergedError(
                 "derivatives: the answer is at a limit, where it does not follow what is given"
             )
-        return Multipliers(self, start, rest, body, free)
+        return Multipliers(self, start, rest, body, free, load.carried)
 
     def jump(self, number: int, values: Array) -> Array:
-        """Virtual jump of a contact at all nodes of its surface of this rank.
-
-        Args:
-            number: Of the contact.
-            values: Λ, on every rank.
-        """
+        """Virtual jump of a contact at all nodes of its surface of this rank."""
         jump, surface = self.jumps[number], self.problem.contacts[number].trace.surface
         if jump is None:
             return np.zeros((len(surface.coordinates), surface.components))
         inner = len(values) - len(self.problem.body_scalars)
-        derived = self.variables.derived_jumps(values[: self.variables.count])
+        derived = self.kept.derived_jumps(values[: self.kept.count])
         found = jump.virtual(np.concatenate([values[:inner], derived]))
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
@@ -140,7 +136,7 @@ class CondensedAdjoint:
         if jump is None or body is None:
             return np.zeros((len(surface.coordinates), surface.components))
         held = self.body.dofs.gathered(-body.reactions.reshape(-1))
-        found = self.variables.held_part(jump.surface, held)
+        found = self.kept.variables.held_part(jump.surface, held)
         return np.asarray(found.reshape(-1, surface.components)[surface.numbers])
 
     def _without_contacts(self, body: BodyGradient) -> _FreeBody:
@@ -154,21 +150,28 @@ class CondensedAdjoint:
         on_scalars = self.body.scalars.from_loads(load, stiffness.at_unknowns(supported))
         return _FreeBody(load, stiffness.whole(left), on_scalars)
 
-    def _of_unknowns(self, free: _FreeBody | None) -> Array:
-        """Derivatives of a quantity of the body in the unknowns, on every rank."""
-        count, problem = self.variables.count, self.problem
+    def _of_contact_dofs(self, free: _FreeBody | None) -> KeptLoad:
+        """Gradient of a quantity of the body in the free contact dofs; collective."""
+        dofs = self.body.dofs
+        if free is None:
+            return self.kept.load(np.zeros(len(dofs.free)))
+        return self.kept.load(dofs.gathered(free.left.reshape(-1))[dofs.is_free])
+
+    def _of_unknowns(self, free: _FreeBody | None, load: KeptLoad) -> Array:
+        """Gradient of a quantity of the body in the unknowns, on every rank."""
+        count, problem = self.kept.count, self.problem
         found = np.zeros(count + len(problem.unknowns))
         if free is None:
             return found
-        left, dofs = free.left.reshape(-1), self.body.dofs
-        found[:count] = self.variables.forces(dofs.gathered(left)[dofs.is_free])
+        left = free.left.reshape(-1)
+        found[:count] = load.own
         owned = problem.spaces.owned_nodes * problem.spaces.components
         given = [unknown.prescribes for unknown in problem.unknowns]
         every = [None if one is None else one.owned(owned) for one in given]
         if any(one is not None for one in every):
             moved = [0.0 if one is None else float(one[1] @ left[one[0]]) for one in every]
             found[count:] = total(problem.comm, np.array(moved))
-        found[len(found) - len(free.on_scalars) :] -= free.on_scalars
+        found[len(found) - len(free.on_scalars) :] -= free.on_scalars + load.on_scalars
         return found
 
     def _gathered(self, jump: ContactJump, nodal: Array) -> Array:
@@ -205,6 +208,7 @@ class Multipliers:
         rest: The other part.
         body: Of the quantity.
         free: The same without contacts.
+        carried: Of its gradient in the contact dofs, as of ``KeptLoad``.
     """
 
     def __init__(
@@ -214,15 +218,16 @@ class Multipliers:
         rest: Array,
         body: BodyGradient | None,
         free: _FreeBody | None,
+        carried: Array,
     ) -> None:
         self._adjoint, self._rest, self._values = adjoint, rest, start + rest
-        self._body, self._free = body, free
+        self._body, self._free, self._carried = body, free, carried
         self._problem = adjoint.problem
 
     @property
     def scalars(self) -> Array:
         """Multipliers of the scalar unknowns: dJ over the right-hand sides of their equations."""
-        return self._values[self._adjoint.variables.count :]
+        return self._values[self._adjoint.kept.count :]
 
     def other_jump(self, number: int) -> Array:
         """Virtual jump of a contact beyond that of the known part, at all nodes of its surface."""
@@ -235,7 +240,8 @@ class Multipliers:
         load = np.zeros(len(body.stiffness.numbers)) if self._free is None else self._free.load
         for value, one in zip(self._of_body_scalars, body.scalars.loads, strict=True):
             load = load + value * one
-        at_contacts = adjoint.variables.displacements(self._values[: adjoint.variables.count])
+        own, kept = self._values[: adjoint.kept.count], adjoint.kept
+        at_contacts = kept.displacements(own, self._of_body_scalars, self._carried)
         return body.bulk.expand(load, at_contacts)
 
     @cached_property
@@ -250,7 +256,7 @@ class Multipliers:
 
     @cached_property
     def at_supports(self) -> Array:
-        """Derivatives in displacements of dofs that are held, but for contacts' part; collective.
+        """Gradient in displacements of dofs that are held, but for contacts' part; collective.
 
         At the nodes of this rank, (nodes, components).
         """
@@ -265,7 +271,7 @@ class Multipliers:
 
     @property
     def kept_scalars(self) -> Array:
-        """Derivatives in the values that the body's scalars are held at, 0 of others."""
+        """Gradient in the values that the body's scalars are held at, 0 of others."""
         corner = self._adjoint.body.scalars.corner
         return corner.diagonal() * (self._last - self._of_body_scalars)
 

@@ -13,23 +13,29 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.mortar.projection import Projection
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
-from fenics_contact.problem.inertia.states import StepStiffness
-from fenics_contact.problem.scalars.scalar import PrescribedDisplacement, ScalarUnknown
-from fenics_contact.solve.condensed.bulk.kept_rows import BodyRows
-from fenics_contact.solve.condensed.bulk.part_factors import KnownFactors
-from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.bulk.rows import Functional, RowMaker
-from fenics_contact.solve.condensed.bulk.schur import BulkWithoutFactor, CondensedBulk
+from fenics_contact.problem.motion_states import StepStiffness
+from fenics_contact.problem.scalar_unknown import PrescribedDisplacement, ScalarUnknown
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads, LoadsOfBody
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
+from fenics_contact.solve.condensed.elimination import ReducedSchur, stiffness_of
+from fenics_contact.solve.condensed.kept_rows import BodyRows
+from fenics_contact.solve.condensed.part_factors import KnownFactors
 from fenics_contact.solve.condensed.scalar_border import CondensedScalars
+from fenics_contact.solve.condensed.schur import (
+    BulkWithoutFactor,
+    CondensedBulk,
+    Functional,
+    RowMaker,
+)
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
+from fenics_contact.solve.systems.near_nodes import NearNodes
+from fenics_contact.solve.systems.rank_stiffness import LocalStiffness
 
 # Displacements that scalars prescribe and that are kept: an obstacle that moves along the surface
 # of a half-space makes others.
@@ -74,6 +80,7 @@ class CondensedBody:
         schur: Gives S on rank 0, where it is known, in the order of given contact dofs; collective.
         factors: Those of a body before, which serve where a part of the body is the same.
         step: As of ``LocalStiffness``.
+        near: As of ``ContactDofs``.
 
     Raises:
         MachineError: There is not the memory for the factorisation; on every rank.
@@ -89,13 +96,14 @@ class CondensedBody:
         schur: Callable[[ContactDofs], Array | None] | None = None,
         factors: KnownFactors | None = None,
         step: StepStiffness | None = None,
+        near: Sequence[NearNodes | None] | None = None,
     ) -> None:
         self.discrete = discrete
         self._constrained, self.sides = constrained, tuple(sides)
         self._moves = step is not None
         with timings.phase("assemble"):
             self.stiffness = LocalStiffness(discrete, step)
-        self.dofs = ContactDofs(discrete.spaces, constrained, sides)
+        self.dofs = ContactDofs(discrete.spaces, constrained, sides, near)
         self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
         displacements = self.stiffness.displacements
         self.held[: len(displacements)] = self.dofs.constrained[displacements]
@@ -125,9 +133,9 @@ class CondensedBody:
         )
         self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, bulk))
         self._of_schur: OfSchur | None = None
-        self._of_jumps: tuple[list[Projection], OfSchur] | None = None
+        self._of_jumps: tuple[list[Projection], Flags, OfSchur | ReducedSchur] | None = None
         self._of_prescribed: list[tuple[Array, ScalarLoad]] = []
-        self._given_up: tuple[OfSchur, ContactVariables] | None = None
+        self._given_up: tuple[OfSchur | ReducedSchur, ContactVariables] | None = None
 
     def with_bulk(self, bulk: CondensedBulk) -> CondensedBody:
         """The body with another bulk, that of steps of motion; collective.
@@ -191,19 +199,26 @@ class CondensedBody:
             self._of_schur = OfSchur(self.bulk.schur)
         return self._of_schur
 
-    def of_unknowns(self, variables: ContactVariables) -> OfSchur | None:
+    def of_unknowns(
+        self, variables: ContactVariables, acted_on: Flags
+    ) -> OfSchur | ReducedSchur | None:
         """S between unknowns that are jumps where bodies touch; on rank 0.
 
         Kept of the bodies as meshed, with which every problem on them begins.
+
+        Args:
+            variables: The unknowns.
+            acted_on: On which of them contacts act; used on rank 0.
         """
         schur, projections = self.bulk.schur, variables.projections
         if schur is None or not variables.has_jumps:
             return self.of_schur
-        if self._of_jumps is not None and self._of_jumps[0] == projections:
-            return self._of_jumps[1]
-        found = OfSchur(variables.stiffness(schur))
+        known = self._of_jumps
+        if known and known[0] == projections and np.array_equal(known[1], acted_on):
+            return known[2]
+        found = stiffness_of(schur.copy(), variables, acted_on)
         if variables.is_as_meshed:
-            self._of_jumps = projections, found
+            self._of_jumps = projections, acted_on, found
         return found
 
     @property
@@ -211,12 +226,20 @@ class CondensedBody:
         """How often K was factorised."""
         return self.bulk.factorisations
 
-    def give_up(self, variables: ContactVariables) -> OfSchur | None:
-        """Return S between unknowns and forget it, as it is large; see ``of_unknowns``."""
+    def give_up(
+        self, variables: ContactVariables, acted_on: Flags
+    ) -> OfSchur | ReducedSchur | None:
+        """Return S between unknowns and forget it, as it is large; see ``of_unknowns``.
+
+        Of other unknowns it is found again from what was returned last.
+        """
         schur, self.bulk.schur = self.bulk.schur, None
+        if self._given_up is not None:
+            of_schur, before = self._given_up
+            schur = before.nodal_stiffness(of_schur.written())
         if schur is None:
             return None
-        found = OfSchur(variables.stiffness(schur))
+        found = stiffness_of(schur, variables, acted_on)
         self._given_up = found, variables
         return found
 
@@ -229,7 +252,7 @@ class CondensedBody:
         if self._given_up is None:
             return None if self.bulk.schur is None else self.bulk.schur @ position
         of_schur, variables = self._given_up
-        return variables.nodal_forces(of_schur.matrix @ variables.unknowns(position))
+        return variables.nodal_forces(of_schur.times(variables.unknowns(position)))
 
     def serves(self, constrained: Integers, sides: Sequence[ContactSides]) -> bool:
         """Whether contacts on such surfaces of the body, so held, may act; collective.

@@ -5,7 +5,7 @@ Two bodies that slide over each other are paired again: then these are others, o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,13 +15,14 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gathered_on_root
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.scalar import ScalarUnknown
+from fenics_contact.problem.scalar_unknown import ScalarUnknown
 from fenics_contact.solve.condensed.condensed_body import CondensedBody, ScalarLoad
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
-from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.condensed.elimination import KeptUnknowns, ReducedSchur
+from fenics_contact.solve.condensed.tangent import ContactTangent, UnknownsTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix
-from fenics_contact.solve.systems.step_springs import free_motions, sprung
+from fenics_contact.solve.systems.system import free_motions, sprung
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +98,7 @@ class ContactJump:
         return slice(self.count, self.count + self.work.shape[1])
 
     def displacement(self, unknowns: Array) -> Array:
-        """Relative to a body opposite at its dofs, (rows,), without what is held.
-
-        Args:
-            unknowns: All, with derived jumps.
-        """
+        """Relative to a body opposite at its dofs, (rows,), without what is held."""
         found = self.relative @ unknowns[self._scalars]
         found[self.rows] += unknowns[self.columns]
         return found
@@ -118,17 +115,13 @@ class ContactJump:
         return found
 
     def virtual(self, unknowns: Array) -> Array:
-        """L y: the jump by which its forces do work in a virtual displacement, (rows,).
-
-        Args:
-            unknowns: All, with derived jumps.
-        """
+        """L y: the jump by which its forces do work in a virtual displacement, (rows,)."""
         found = self.work @ unknowns[self._scalars]
         found[self.rows] += unknowns[self.columns]
         return np.asarray(found)
 
     def slopes(self, of_jump: Array) -> Array:
-        """Bᵀ r: derivatives in all unknowns.
+        """Bᵀ r: the gradient in all unknowns.
 
         Args:
             of_jump: In the jump at its dofs, (rows,).
@@ -171,11 +164,15 @@ class ContactJump:
         return rows[kept], columns[kept], values[kept]
 
 
+# Rows of each surface that have a jump, and its number among the unknowns and derived jumps.
+Points = Mapping[SurfaceMatrix, tuple[Integers, Integers]]
+
+
 class CondensedContacts:
     """The jumps of contacts over the unknowns, their forces and tangents; collective.
 
     Attributes:
-        variables: What stands for the contact dofs as unknowns.
+        kept: What stands for the contact dofs as unknowns.
         jumps: The jump of each contact in scene order; None of those that exert no forces.
         tangent: The dense tangent on rank 0; None on others.
         size: Number of unknowns that contacts are coupled with: all but the body's scalars.
@@ -201,44 +198,77 @@ class CondensedContacts:
         # The scalars of the body come last.
         count = len(problem.unknowns) - len(problem.body_scalars)
         self._unknowns = problem.unknowns[:count]
-        self.size = len(body.dofs.free) + count
-        self.variables = ContactVariables(body.dofs, [s for s in surfaces if s is not None])
-        self.jumps = [None if s is None else self._jump(s) for s in surfaces]
-        self.tangent = self._tangent(self._schur(ends_with_body))
-        motions = [
-            self.variables.unknowns(body.dofs.gathered(motion.reshape(-1))[body.dofs.is_free])
-            for motion in free_motions(problem)
-        ]
-        self.sprung = sprung(np.array(motions).T)
+        acting = [surface for surface in surfaces if surface is not None]
+        variables = ContactVariables(body.dofs, acting)
+        points = {surface: variables.own_unknowns(surface) for surface in acting}
+        springs = self._springs(variables, points)
+        acted_on = self._acted_on(variables, points, springs)
+        schur = self._schur(variables, acted_on, ends_with_body)
+        self.kept = KeptUnknowns(problem.comm, variables, schur, body.scalars.condensed)
+        self.size = self.kept.count + count
+        self._place = np.full(variables.count, -1)
+        self._place[self.kept.numbers] = np.arange(self.kept.count)
+        self.sprung = self._place[springs]
+        self.jumps = [None if s is None else self._jump(s, points[s]) for s in surfaces]
+        self.tangent = self._tangent(schur)
 
-    def _jump(self, surface: SurfaceMatrix) -> ContactJump:
-        places, variables = self._body.dofs.places(surface.dofs), self.variables
+    def _springs(self, variables: ContactVariables, points: Points) -> Integers:
+        """Unknowns that tell free motions apart, of those on which contacts act if these do."""
+        dofs = self._body.dofs
+        motions = np.array(
+            [
+                variables.unknowns(dofs.gathered(motion.reshape(-1))[dofs.is_free])
+                for motion in free_motions(self._problem)
+            ]
+        ).T
+        every = sprung(motions)
+        if not len(every):
+            return every
+        numbers = np.flatnonzero(_has_jump(variables, points))
+        found = numbers[sprung(motions[numbers])]
+        return found if len(found) == len(every) else every
+
+    def _acted_on(self, variables: ContactVariables, points: Points, springs: Integers) -> Flags:
+        """Unknowns on which contacts act by themselves, or with scalars; needed on rank 0."""
+        if self._unknowns or self._problem.comm.rank > 0:
+            return np.ones(variables.count, dtype=bool)
+        found = _has_jump(variables, points) | variables.derived.any(axis=0)
+        found[springs] = True
+        return np.asarray(found)
+
+    def _jump(self, surface: SurfaceMatrix, points: tuple[Integers, Integers]) -> ContactJump:
+        places, variables = self._body.dofs.places(surface.dofs), self.kept.variables
         far = [load.displacements[places] for load in self._scalar_loads]
-        sizes = variables.count, variables.derived_count
-        points = variables.own_unknowns(surface)
-        return ContactJump.over(surface, points, sizes, self._unknowns, far)
+        rows, columns = points
+        own = columns < variables.count
+        derived = columns - variables.count + self.kept.count
+        columns = np.where(own, self._place[np.where(own, columns, 0)], derived)
+        sizes = self.kept.count, variables.derived_count
+        return ContactJump.over(surface, (rows, columns), sizes, self._unknowns, far)
 
-    def _schur(self, ends_with_body: bool) -> OfSchur | None:
+    def _schur(
+        self, variables: ContactVariables, acted_on: Flags, ends_with_body: bool
+    ) -> OfSchur | ReducedSchur | None:
         """S between the unknowns, on rank 0; that of a body of its own is given up with it."""
-        if not ends_with_body:
-            return self._body.of_unknowns(self.variables)
-        if not self._problem.can_pair_anew:
-            return self._body.give_up(self.variables)
-        schur = self._body.bulk.schur
-        return None if schur is None else OfSchur(self.variables.stiffness(schur))
+        find = self._body.give_up if ends_with_body else self._body.of_unknowns
+        return find(variables, acted_on)
 
-    def _tangent(self, schur: OfSchur | None) -> ContactTangent | None:
+    def _tangent(self, schur: OfSchur | ReducedSchur | None) -> ContactTangent | None:
         """A on rank 0, with what scalars do to the contact dofs through the bulk."""
         if schur is None:
             return None
-        variables, free = self.variables, self._body.dofs.free
-        count = len(self._unknowns)
-        condensed = [variables.forces(load.condensed) for load in self._scalar_loads[:count]]
-        columns = -np.array(condensed).reshape(count, len(free)).T
-        own = np.array([unknown.own for unknown in self._unknowns])
-        constant = ConstantTangent(schur.matrix, columns, own, variables.derived, schur)
-        nodes = free // self._problem.spaces.components
-        return ContactTangent(constant, nodes, self._body.scalars.border(variables, self.size))
+        kept, count = self.kept, len(self._unknowns)
+        own = schur.own if isinstance(schur, ReducedSchur) else schur
+        self._stiffness = schur.diagonal  # of springs: eliminated masters would make it soft
+        nodes = self._body.dofs.free[kept.numbers] // self._problem.spaces.components
+        condensed = [kept.load(load.condensed).own for load in self._scalar_loads[:count]]
+        columns = -np.array(condensed).reshape(count, kept.count).T
+        corner = np.array([unknown.own for unknown in self._unknowns])
+        derived = kept.variables.derived[:, kept.numbers]
+        constant = ConstantTangent(own.matrix, columns, corner, derived, own)
+        return ContactTangent(
+            UnknownsTangent(constant, nodes), self._body.scalars.border(kept, self.size)
+        )
 
     @property
     def is_held(self) -> Flags:
@@ -252,7 +282,7 @@ class CondensedContacts:
             held: These displacements at all contact dofs (length).
         """
         return [
-            None if jump is None else self.variables.held_part(jump.surface, held)
+            None if jump is None else self.kept.variables.held_part(jump.surface, held)
             for jump in self.jumps
         ]
 
@@ -265,7 +295,7 @@ class CondensedContacts:
             values: The unknowns.
             held_parts: As of ``held_parts``.
         """
-        derived = self.variables.derived_jumps(values[: self.variables.count])
+        derived = self.kept.derived_jumps(values[: self.kept.count])
         unknowns = np.concatenate([values[: self.size], derived])
         return [
             None if jump is None or held is None else _relative(jump, held, unknowns)
@@ -288,7 +318,7 @@ class CondensedContacts:
             parts = gathered_on_root(self._problem.comm, force[:owned].reshape(-1))
             if self.tangent is not None and parts is not None:
                 own = jump.forces(np.concatenate(parts))
-                found.append(self.tangent.constant.onto_unknowns(own))
+                found.append(self.tangent.inner.onto_unknowns(own))
         return found
 
     def linearise(self, springs: float) -> None:
@@ -307,9 +337,10 @@ class CondensedContacts:
         if tangent is not None:
             tangent.border.hold(self.is_held)
             if springs:
-                stiffness = tangent.constant.schur.diagonal()[self.sprung]
+                stiffness = self._stiffness[self.sprung]
                 found.append((self.sprung, self.sprung, springs * stiffness))
-            tangent.set(*(np.concatenate(part) for part in zip(*found, strict=True)))
+            rows, columns, values = (np.concatenate(part) for part in zip(*found, strict=True))
+            tangent.set((rows, columns, values))
 
     def compliances(
         self, number: int, across: csr_matrix, ways: list[csr_matrix]
@@ -318,7 +349,15 @@ class CondensedContacts:
         jump = self.jumps[number]
         if jump is None or self.tangent is None:
             return None
-        return self.tangent.compliance.between(jump.relative_to, across, ways)
+        return self.tangent.inner.compliances(jump.relative_to, across, ways)
+
+
+def _has_jump(variables: ContactVariables, points: Points) -> Flags:
+    """Unknowns that are the jump of a contact, (displacements,)."""
+    found = np.zeros(variables.count, dtype=bool)
+    for _, columns in points.values():
+        found[columns[columns < variables.count]] = True
+    return found
 
 
 def _relative(jump: ContactJump, held: Array, unknowns: Array) -> Array:

@@ -15,10 +15,10 @@ from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import largest, total
-from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
 from fenics_contact.solve.condensed.scalar_border import CondensedScalars
+from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
+from fenics_contact.solve.systems.rank_stiffness import LocalStiffness
 
 # Round-off of a combination of loads, of its size.
 _SAME = 1e-13

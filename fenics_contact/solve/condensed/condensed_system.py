@@ -25,13 +25,15 @@ from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts
 from fenics_contact.solve.condensed.condensed_loads import PresentLoads
+from fenics_contact.solve.condensed.split_solver import LEFT, LEFT_AT_MOST
 from fenics_contact.solve.condensed.tangent import TangentOperator
-from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from fenics_contact.solve.systems.system import BodyAnswer, FindBody, LazyDisplacement, System
+from fenics_contact.solve.systems.solution import BodyAnswer, FindBody, LazyDisplacement
+from fenics_contact.solve.systems.system import System
 
-# Contact dofs from which the passes of a loop on the pressure cost more than the factorisation.
-_MANY = 1000
+# Contact dofs from which the passes of a loop on the pressure cost more than the factorisation, and
+# from which the factorisation is a small part of a run in load steps.
+_MANY, _LARGE = 1000, 2500
 
 
 class CondensedSystem(System):
@@ -64,22 +66,30 @@ class CondensedSystem(System):
                 SurfaceMatrix(c) if c.forces.terms else None for c in problem.contacts
             ]
         self._root = self.comm.rank == 0
+        self._timings = timings
         self._is_own = body is None  # then it ends with the system
-        self.body = body or CondensedBody(
-            problem.discrete,
-            problem.constrained,
-            acting_sides(problem),
-            timings,
-            step=problem.inertia.stiffness,
-        )
+        self.factorisations = 0
+        self._take_body(body or self._condense())
+
+    def _condense(self) -> CondensedBody:
+        """The body condensed for this system alone; collective."""
+        problem = self.problem
+        step = problem.inertia.stiffness
+        known = problem.discrete, problem.constrained, acting_sides(problem)
+        return CondensedBody(*known, self._timings, step=step)
+
+    def _take_body(self, body: CondensedBody) -> None:
+        """Set up all that follows from a condensed body; collective."""
+        self.body, problem = body, self.problem
         self.stiffness, self.held = self.body.stiffness, self.body.held
         self.dofs = self.body.dofs
-        self.factorisations = 1
+        self.factorisations += 1
         self._scalar_loads = [self.body.scalar_load(unknown) for unknown in problem.unknowns]
-        self._size = len(self.dofs.free) + self.scalars
-        if self._size > _MANY:
+        every = len(self.dofs.free) + self.scalars
+        if every > _MANY:
             self.first_way = "monolithic"
-        with timings.phase("factorise"):
+        self.repeats_history_cheaply = every <= _LARGE
+        with self._timings.phase("factorise"):
             self._place_contacts()
         self._create_vectors()
 
@@ -88,28 +98,28 @@ class CondensedSystem(System):
         known = self.problem, self.body, self._surfaces, self._scalar_loads
         self._contacts = CondensedContacts(*known, ends_with_body=self._is_own)
         self._dense = self._contacts.tangent
+        self._count = self._contacts.kept.count
         self._present: PresentLoads | None = None
         self.is_sprung = bool(self._contacts.sprung.size)
 
-    @property
-    def variables(self) -> ContactVariables:
-        """The unknowns in place of the contact dofs: displacements and jumps."""
-        return self._contacts.variables
-
     def update_pairing(self) -> None:
-        """Take what faces what anew, without another factorisation of the bulk; collective."""
+        """Update the pairing of contacts, without another factorisation of the bulk; collective."""
         values = self._values(self.state)
-        count = self.variables.count
-        displacements = self.variables.displacements(values[:count])
+        displacements, scalars = self.contact_displacements(), self._scalars_of(values)
         self._place_contacts()
-        self.tangent.setPythonContext(TangentOperator(self._dense))
+        self._destroy_vectors()
+        self._create_vectors()
+        self._set_state(displacements, scalars)
+
+    def _set_state(self, position: Array, scalars: Array) -> None:
+        """Set displacements of the free contact dofs, and scalars; collective."""
         with self.state as array:
             if self._root:
-                array[:count] = self.variables.unknowns(displacements)
+                array[:] = np.concatenate([self._contacts.kept.unknowns(position), scalars])
 
     def _create_vectors(self) -> None:
-        own = self._size if self._root else 0
-        sizes = (own, self._size)
+        size = self._count + self.scalars
+        sizes = (size if self._root else 0, size)
         self.state = PETSc.Vec().createMPI(sizes, comm=self.comm)
         self.residual = self.state.duplicate()
         operator = TangentOperator(self._dense)
@@ -141,6 +151,9 @@ class CondensedSystem(System):
         """Free PETSc's objects, but those of a body that is kept."""
         if self._is_own:
             self.body.destroy()
+        self._destroy_vectors()
+
+    def _destroy_vectors(self) -> None:
         for thing in (self.tangent, self.state, self.residual):
             thing.destroy()
 
@@ -152,7 +165,17 @@ class CondensedSystem(System):
 
     def position(self) -> Array:
         """Displacements of the free contact dofs, on every rank; collective."""
-        return self.variables.displacements(self._values(self.state)[: self.variables.count])
+        return self.contact_displacements()
+
+    def contact_displacements(self) -> Array:
+        """Displacements of the free contact dofs, on every rank; collective."""
+        return self._free_displacements(self._values(self.state))
+
+    def _free_displacements(self, values: Array) -> Array:
+        """Displacements of the free contact dofs from the unknowns; collective (length)."""
+        own, scalars = values[: self._count], values[self._contacts.size :]
+        carried = np.zeros(0) if self._present is None else self._condensed.carried
+        return self._contacts.kept.displacements(own, scalars, carried)
 
     def position_of(self, displacement: Array) -> Array:
         """Displacements of the free contact dofs from nodal ones; collective."""
@@ -166,7 +189,7 @@ class CondensedSystem(System):
         if None in self._contacts.jumps:
             return super().at_contacts(find_body)
         components = self.problem.spaces.components
-        found = self.dofs.placed(self.position()).reshape(-1, components)
+        found = self.dofs.placed(self.contact_displacements()).reshape(-1, components)
         return found + self.body.loads_at.supported(self.problem.prescribed, components)
 
     def begin(self, displacement: Array) -> None:
@@ -177,10 +200,7 @@ class CondensedSystem(System):
     def begin_at(self, position: Array) -> None:
         """Start from displacements of the free contact dofs; collective."""
         self.follow_loads()
-        with self.state as array:
-            if self._root:
-                own = self.variables.unknowns(position)
-                array[:] = np.concatenate([own, self.starting_scalars()])
+        self._set_state(position, self.starting_scalars())
         self._started = self._displacements(self._values(self.state))
 
     def follow_loads(self) -> None:
@@ -190,7 +210,7 @@ class CondensedSystem(System):
             return
         self._present = present
         self._held_parts = self._contacts.held_parts(present.held)
-        self._condensed = self.variables.forces(present.condensed)
+        self._condensed = self._contacts.kept.load(present.condensed)
 
     @property
     def _loads(self) -> PresentLoads:
@@ -215,13 +235,13 @@ class CondensedSystem(System):
     def _displacements(self, values: Array) -> Array:
         """Displacements of all contact dofs from the unknowns (length)."""
         found = self._loads.held.copy()
-        found[self.dofs.is_free] = self.variables.displacements(values[: len(self.dofs.free)])
+        found[self.dofs.is_free] = self._free_displacements(values)
         for value, load in zip(self._scalars_of(values), self._scalar_loads, strict=True):
             found += value * load.displacements
         return found
 
     def _scalars_of(self, values: Array) -> Array:
-        return values[len(self.dofs.free) :]
+        return values[self._count :]
 
     def take(self, state: PETSc.Vec) -> None:
         """A vector of unknowns into the jumps; collective."""
@@ -238,8 +258,8 @@ class CondensedSystem(System):
         if self._dense is None:
             return
         driving = np.array([unknown.force for unknown in self.problem.unknowns])
-        left -= np.concatenate([self._condensed, driving])
-        left[[len(self.dofs.free) + number for number in self.held_scalars]] = 0.0
+        left -= np.concatenate([self._condensed.own, driving])
+        left[[self._count + number for number in self.held_scalars]] = 0.0
         for force in forces:
             left[: self._contacts.size] -= force
         with residual as array:
@@ -250,7 +270,7 @@ class CondensedSystem(System):
         found = np.zeros(0)
         if self._dense is not None:
             found = self._dense.times(values)
-            found[self._contacts.size :] += self._loads.on_scalars
+            found[self._contacts.size :] += self._loads.on_scalars + self._condensed.on_scalars
         self._note_scalar_forces(found)
         return found
 
@@ -260,6 +280,31 @@ class CondensedSystem(System):
         if not self.comm.allreduce(same, op=MPI.LAND):
             self.take(state)
         self._contacts.linearise(springs)
+        left = _left_by_a_step(self.imbalance(), self.given_forces or self.forces or 1.0)
+        if self._dense is not None:
+            self._dense.newton_left = left
+
+    def linearise_truly(self) -> None:
+        """Set the tangent of an answer in whose state the system is; collective.
+
+        There friction's bound follows the pressure, and tractions turn with the slip as the law has
+        it.
+        """
+        for contact in self.problem.frictional:
+            if contact.is_coulomb:
+                contact.friction_term.follow_pressure()
+                contact.follow_pressure()
+            kinematics, tangent = contact.kinematics, contact.friction_term.tangent_state
+            tangent.take_true(kinematics.tangential(kinematics.jump_at_points()))
+        self.linearise(self.state)
+
+    def step_by_last_tangent(self) -> None:
+        """Take the step of Newton's method that the last tangent gives, in full; collective."""
+        self.balance(self.state, self.residual)
+        with self.state as array:
+            if self._dense is not None:
+                array -= self._dense.solve(np.array(self.residual.array_r))
+        self.take(self.state)
 
     def change(self, condensed: Array, on_scalars: Array) -> tuple[Array, Array]:
         """Changes of the unknowns by small forces, by the last tangent; collective.
@@ -271,19 +316,22 @@ class CondensedSystem(System):
         Returns:
             Displacements of the free contact dofs (length), and the body's scalars.
         """
-        found, first = None, self._contacts.size
+        kept, found = self._contacts.kept, None
+        load = kept.load(condensed)
         if self._dense is not None:
-            right = np.zeros(self._size)
-            right[: self.variables.count] = self.variables.forces(condensed)
-            right[first:] = np.where(self._contacts.is_held, 0.0, -on_scalars)
+            right = np.zeros(self._count + self.scalars)
+            right[: self._count] = load.own
+            on_scalars = on_scalars + load.on_scalars
+            right[self._contacts.size :] = np.where(self._contacts.is_held, 0.0, -on_scalars)
             found = self._dense.solve(right)
         found = np.asarray(from_root(self.comm, found))
-        return self.variables.displacements(found[: self.variables.count]), found[first:]
+        own, scalars = found[: self._count], found[self._contacts.size :]
+        return kept.displacements(own, scalars, load.carried), scalars
 
     def adjoint(self) -> CondensedAdjoint:
         """The adjoint of the tangent that was set last; collective."""
         jumps = self._contacts.jumps
-        return CondensedAdjoint(self.problem, self.body, self.variables, self._dense, jumps)
+        return CondensedAdjoint(self.problem, self.body, self._contacts.kept, self._dense, jumps)
 
     def imbalance(self) -> float:
         """1-norm of the last residual (force); collective."""
@@ -309,7 +357,7 @@ class CondensedSystem(System):
         load = self._loads.load.copy()
         for value, one in zip(self._scalars_of(values), self._scalar_loads, strict=True):
             load += value * one.load
-        at_contacts = self.variables.displacements(values[: len(self.dofs.free)])
+        at_contacts = self._free_displacements(values)
         find = LazyDisplacement(partial(self._expanded, load, at_contacts))
         if self.problem.elastic.mixed is not None or self.problem.body_scalars:
             find()
@@ -339,3 +387,17 @@ class CondensedSystem(System):
 def acting_sides(problem: Problem) -> list[ContactSides]:
     """The surfaces of the contacts that exert forces."""
     return [contact.sides for contact in problem.contacts if contact.forces.terms]
+
+
+def _left_by_a_step(imbalance: float, forces: float) -> float:
+    """Share of the imbalance that the linear solve of a Newton step may leave.
+
+    A step gains no more than what the imbalance is off by; and what it leaves is to be little
+    beside the loads, of which a bad start may be many times out of balance.
+
+    Args:
+        imbalance: Before the step (force).
+        forces: Those of loads, or what stands for them (force).
+    """
+    off = imbalance / forces
+    return float(np.clip(min(off, LEFT_AT_MOST / (off or 1.0)), LEFT, LEFT_AT_MOST))

@@ -1,10 +1,9 @@
-"""Scalars of the body's energy beside the condensed problem: one more row and column for each.
+"""The border of the condensed problem: a row and a column for each scalar of the body's energy.
 
 Such a scalar q, as the shortening of a preloaded part, puts forces into the bulk, which are
-condensed once, as those of a load. Its row is the force ∂W/∂q that does work on it,
-N = Cᵀ y + D q + N₀, with N₀ by loads and supports alone. As the energy has these second
-derivatives, row and column are the same; D is what the bulk leaves of ∂²W/∂q² when the contact dofs
-are held.
+condensed once, as those of a load. Its row is the force ∂W/∂q that does work on it, N = Cᵀ y + D q
++ N₀, with N₀ by loads and supports alone. Both are second derivatives of the energy, so row and
+column are the same; D is what the bulk leaves of ∂²W/∂q² when the contact dofs are held.
 """
 
 from __future__ import annotations
@@ -12,14 +11,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from petsc4py import PETSc
 from scipy.linalg import lapack
 
 from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
-from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
-from fenics_contact.solve.condensed.unknowns import ContactVariables
+from fenics_contact.solve.condensed.elimination import KeptUnknowns
+from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.split_solver import SplitSolver
+from fenics_contact.solve.systems.rank_stiffness import LocalStiffness
 
 
 class CondensedScalars:
@@ -55,17 +56,16 @@ class CondensedScalars:
         own = np.diag([one.stiffness for one in forces]).reshape(len(forces), len(forces))
         self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T)) + own
 
-    def border(self, variables: ContactVariables, size: int) -> ScalarBorder:
+    def border(self, kept: KeptUnknowns, size: int) -> ScalarBorder:
         """Rows and columns of the scalars, on rank 0.
 
         Args:
-            variables: What stands for the contact dofs, first among the unknowns.
+            kept: What stands for the contact dofs, first among the unknowns.
             size: Number of unknowns beside these scalars.
         """
         columns = np.zeros((size, len(self.condensed)))
-        for number, forces in enumerate(self.condensed):
-            columns[: variables.count, number] = -variables.forces(forces)
-        return ScalarBorder(columns, self.corner)
+        columns[: kept.count] = kept.columns
+        return ScalarBorder(columns, self.corner - kept.corner, self.corner.diagonal())
 
     def from_loads(self, load: Array, supported: Array) -> Array:
         """N₀, (scalars,) (force); collective.
@@ -90,17 +90,18 @@ class ScalarBorder:
     Args:
         columns: C, (unknowns of M, scalars).
         corner: D.
+        units: Entries of the rows of scalars that are held, on the diagonal.
     """
 
-    def __init__(self, columns: Array, corner: Array) -> None:
-        self._columns, self._corner = columns, corner
+    def __init__(self, columns: Array, corner: Array, units: Array) -> None:
+        self._columns, self._corner, self._units = columns, corner, units
         self._solved: Array | None = None
         self._held = np.zeros(len(corner), dtype=bool)
 
     @classmethod
     def empty(cls, size: int) -> ScalarBorder:
         """A border of no scalars, around a matrix of a size."""
-        return cls(np.zeros((size, 0)), np.zeros((0, 0)))
+        return cls(np.zeros((size, 0)), np.zeros((0, 0)), np.zeros(0))
 
     @property
     def count(self) -> int:
@@ -144,6 +145,10 @@ class ScalarBorder:
         rows, corner = self._own_rows
         return _eliminated(right, solve_inner, self._solved, rows, corner)
 
+    def around(self, split: SplitSolver) -> BorderedSplit:
+        """The whole matrix, as GMRES needs it, where M is solved in stiff and soft parts."""
+        return BorderedSplit(split, self._columns, *self._own_rows)
+
     def solve_transposed(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
         """Solve with the transpose of the whole, by M⁻ᵀ; the arguments are those of ``solve``."""
         if self.count == 0:
@@ -155,9 +160,43 @@ class ScalarBorder:
     @property
     def _own_rows(self) -> tuple[Array, Array]:
         """Cᵀ and D with unit rows for scalars that are held."""
-        unit = np.diag(self._corner.diagonal())
-        held = self._held[:, None]
-        return np.where(held, 0.0, self._columns.T), np.where(held, unit, self._corner)
+        held, units = self._held[:, None], np.diag(self._units)
+        return np.where(held, 0.0, self._columns.T), np.where(held, units, self._corner)
+
+
+class BorderedSplit:
+    """[[M, B], [R, D]] for GMRES, with what is nearly its inverse by what is nearly that of M.
+
+    Args:
+        split: Solves nearly with M.
+        columns: B.
+        rows: R.
+        corner: D.
+    """
+
+    def __init__(self, split: SplitSolver, columns: Array, rows: Array, corner: Array) -> None:
+        self._split, self._columns, self._rows, self._corner = split, columns, rows, corner
+        self._size = len(columns)
+        self._solved = np.column_stack([split.nearly_solved(column) for column in columns.T])
+
+    def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
+        """Product with the whole, as PETSc asks for it."""
+        inner, scalars = np.split(np.array(values.array_r), [self._size])
+        own = self._rows @ inner + self._corner @ scalars
+        with result as array:
+            array[:] = np.append(self._split.times(inner) + self._columns @ scalars, own)
+
+    def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
+        """Nearly the inverse of the whole, likewise."""
+        found = _eliminated(
+            np.array(right.array_r),
+            self._split.nearly_solved,
+            self._solved,
+            self._rows,
+            self._corner,
+        )
+        with solution as array:
+            array[:] = found
 
 
 def _eliminated(

@@ -4,7 +4,7 @@ Across a contact, and along it where it sticks, W is as stiff as 1/ε₁ and 1/�
 the body, so that what S adds there hardly counts. What is left is soft: where points slip or are
 open. So a sparse factor of the stiff part and a dense one of the soft part, taken one after the
 other, are nearly an inverse of M, and GMRES needs few steps with it. The dense factor has the size
-of what is soft, and S⁻¹ is never needed.
+of what is soft, in single precision where that is enough, and S⁻¹ is never needed.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 _STIFF = 8.0
 # The same, below which a coupling of stiff and soft is left to GMRES.
 _LOOSE = 1e-2
-# Forces that GMRES leaves, over those it starts with; and its steps at the most.
-_LEFT = 1e-8
+# Forces that GMRES leaves, over those it starts with, where what follows is to be exact, and at the
+# most; and its steps at the most.
+LEFT, LEFT_AT_MOST = 1e-8, 1e-4
 _MOST_STEPS = 60
 # Solves, each of what the ones before have left, that end in round-off.
 _REFINED = 3
@@ -45,6 +46,8 @@ class SplitSolver:
     def __init__(self, constant: ConstantTangent, nodes: Integers) -> None:
         self._constant = constant
         self._nodes = _Nodes(nodes, constant.schur.diagonal())
+        # Derived jumps may be stiff, and are among what is soft.
+        self._is_single = not len(constant.derived)
         self._transposed: SplitSolver | None = None
 
     def split(self, added: csr_matrix) -> None:
@@ -88,14 +91,16 @@ class SplitSolver:
         self._soft_factor = None
         if len(matrix) == 0:
             return True
-        *self._soft_factor, singular = lapack.dgetrf(matrix, overwrite_a=1)
+        factorise = lapack.sgetrf if self._is_single else lapack.dgetrf
+        *self._soft_factor, singular = factorise(matrix, overwrite_a=1)
         return not singular
 
     def _soft_matrix(self, from_soft: csr_matrix) -> Array:
         """M between soft directions, scalars, derived jumps and forces on these."""
         constant, basis = self._constant, self._soft_basis
         soft, scalars = basis.shape[1], constant.size - constant.count
-        found = np.zeros((self.soft, self.soft), order="F")
+        precision = np.float32 if self._is_single else np.float64
+        found = np.zeros((self.soft, self.soft), dtype=precision, order="F")
         rows = csr_matrix(basis.T)
         found[:soft, :soft] = rows @ np.ascontiguousarray((rows @ constant.schur).T)
         found[:soft, soft : soft + scalars] = basis.T @ constant.columns
@@ -126,26 +131,18 @@ class SplitSolver:
             moved = self._stiff_factor.solve(self._onto_stiff[:, columns].toarray())
             matrix[: onto_soft.shape[0], columns] -= onto_soft @ moved
 
-    def solve(self, right: Array) -> Array | None:
-        """M⁻¹ r; None where GMRES did not find it."""
-        size = (len(right), len(right))
-        operator = PETSc.Mat().createPython(size, self, comm=PETSc.COMM_SELF)
-        operator.setUp()
-        solver = PETSc.KSP().create(PETSc.COMM_SELF)
-        solver.setOperators(operator)
-        solver.setType("gmres")
-        solver.setGMRESRestart(_MOST_STEPS)
-        solver.setPCSide(PETSc.PC.Side.RIGHT)
-        solver.setTolerances(rtol=_LEFT, atol=0.0, max_it=_MOST_STEPS)
-        solver.getPC().setType("python")
-        solver.getPC().setPythonContext(self)
-        given = PETSc.Vec().createWithArray(right, comm=PETSc.COMM_SELF)
-        found = given.duplicate()
-        solver.solve(given, found)
-        result = np.array(found.array_r) if solver.getConvergedReason() > 0 else None
-        for thing in (solver, operator, given, found):
-            thing.destroy()
-        return result
+    def solve(self, right: Array, left: float = LEFT) -> Array | None:
+        """M⁻¹ r; None where GMRES did not find it, with a factor in double precision either.
+
+        Args:
+            right: The right-hand side.
+            left: Share of it that the solve may leave.
+        """
+        found = gmres(self, right, left)
+        if found is None and self._is_single:  # so from now on: a slender body, say
+            self._is_single = False
+            found = gmres(self, right, left) if self.factorise() else None
+        return found
 
     def solve_transposed(self, right: Array) -> Array | None:
         """M⁻ᵀ r, to what numbers can tell; None where GMRES did not find it."""
@@ -167,17 +164,24 @@ class SplitSolver:
     def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
         """M y, as PETSc asks for it."""
         with result as array:
-            array[:] = self._constant.with_contacts(self._added, np.array(values.array_r))
+            array[:] = self.times(np.array(values.array_r))
+
+    def times(self, values: Array) -> Array:
+        """Product M y."""
+        return self._constant.with_contacts(self._added, values)
 
     def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
-        """Nearly M⁻¹ r, as PETSc asks for it: stiff first, then soft with what that leaves."""
+        """Nearly M⁻¹ r, as PETSc asks for it."""
+        with solution as array:
+            array[:] = self.nearly_solved(np.array(right.array_r))
+
+    def nearly_solved(self, given: Array) -> Array:
+        """Nearly M⁻¹ r: stiff first, then soft with what that leaves."""
         constant, count = self._constant, self._constant.count
-        given = np.array(right.array_r)
         stiff = self._stiff_factor.solve(self._stiff_basis.T @ given[:count])
         moved = self._stiff_basis @ stiff
         left = np.zeros(constant.width)
         left[: constant.size] = given
-        left[:count] -= constant.bulk_forces(moved)
         left[count : constant.size] -= constant.rows @ moved
         left -= self._added[:, :count] @ moved
         soft = self._solve_soft(
@@ -186,15 +190,43 @@ class SplitSolver:
         stiff -= self._stiff_factor.solve(self._onto_stiff @ soft)
         found = (self._soft_directions @ soft)[: constant.size]
         found[:count] += self._stiff_basis @ stiff
-        with solution as array:
-            array[:] = found
+        return np.asarray(found)
 
     def _solve_soft(self, left: Array) -> Array:
         """Soft directions, scalars and derived jumps, of all that is soft."""
         if self._soft_factor is None:
             return left
-        soft, _ = lapack.dgetrs(*self._soft_factor, left)
+        solve = lapack.sgetrs if self._is_single else lapack.dgetrs
+        soft, _ = solve(*self._soft_factor, left)
         return np.asarray(soft[: self._soft_directions.shape[1]])
+
+
+def gmres(context: object, right: Array, left: float) -> Array | None:
+    """Solve by GMRES; None where it does not end.
+
+    Args:
+        context: Multiplies, as PETSc's matrices in Python do, and is its own preconditioner.
+        right: The right-hand side.
+        left: Share of it that may be left.
+    """
+    size = (len(right), len(right))
+    operator = PETSc.Mat().createPython(size, context, comm=PETSc.COMM_SELF)
+    operator.setUp()
+    solver = PETSc.KSP().create(PETSc.COMM_SELF)
+    solver.setOperators(operator)
+    solver.setType("gmres")
+    solver.setGMRESRestart(_MOST_STEPS)
+    solver.setPCSide(PETSc.PC.Side.RIGHT)
+    solver.setTolerances(rtol=left, atol=0.0, max_it=_MOST_STEPS)
+    solver.getPC().setType("python")
+    solver.getPC().setPythonContext(context)
+    given = PETSc.Vec().createWithArray(right, comm=PETSc.COMM_SELF)
+    found = given.duplicate()
+    solver.solve(given, found)
+    result = np.array(found.array_r) if solver.getConvergedReason() > 0 else None
+    for thing in (solver, operator, given, found):
+        thing.destroy()
+    return result
 
 
 class _Nodes:

@@ -1,4 +1,4 @@
-"""The condensed tangent M = A + Qᵀ W Q, and which way it is solved.
+"""The condensed tangent M = A + Qᵀ W Q, which way it is solved, and the body's scalars around it.
 
 A has a dense part that never changes, and W is sparse: it has entries only at points in contact.
 Q y are the unknowns y, then the jumps z = R y that follow from them: W is between these, and
@@ -7,15 +7,18 @@ Qᵀ W Q, which would be full, is never made.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from functools import partial
+from math import inf
+
 import numpy as np
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.solve.condensed.compliance_solver import ComplianceSolver
-from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
+from fenics_contact.solve.condensed.constant_tangent import ComplianceSolver, ConstantTangent
 from fenics_contact.solve.condensed.scalar_border import ScalarBorder
-from fenics_contact.solve.condensed.split_solver import SplitSolver
+from fenics_contact.solve.condensed.split_solver import LEFT, SplitSolver, gmres
 from fenics_contact.solve.systems.contact_stiffness import Entries
 
 # Contact dofs up to which a dense inverse costs next to nothing.
@@ -28,24 +31,20 @@ _GMRES = 8
 _IN_VAIN = 10
 
 
-class ContactTangent:
-    """M = A + Qᵀ W Q, with the rows and columns of the body's scalars around it.
+class UnknownsTangent:
+    """The tangent M = A + Qᵀ W Q of all unknowns but the body's scalars.
 
     Args:
         constant: A and Q.
         nodes: Number of the node that each displacement belongs to.
-        border: Rows and columns of the body's scalars, if there are any.
 
     Attributes:
         constant: See the arguments.
-        border: Likewise.
+        size: Number of unknowns.
     """
 
-    def __init__(
-        self, constant: ConstantTangent, nodes: Integers, border: ScalarBorder | None = None
-    ) -> None:
-        self.constant = constant
-        self.border = border or ScalarBorder.empty(constant.size)
+    def __init__(self, constant: ConstantTangent, nodes: Integers) -> None:
+        self.constant, self.size = constant, constant.size
         none = np.zeros(0, dtype=np.int64)
         self._entries: Entries = none, none, np.zeros(0)
         self._written: csr_matrix | None = None
@@ -62,9 +61,9 @@ class ContactTangent:
             self._by_compliance = ComplianceSolver(self.constant)
         return self._by_compliance
 
-    def set(self, rows: Integers, columns: Integers, values: Array) -> None:
+    def set(self, entries: Entries) -> None:
         """Set W by its entries; those at the same place add up."""
-        self.border.forget()
+        rows, columns, values = entries
         kept = np.flatnonzero(values)
         self._entries, self._written = (rows[kept], columns[kept], values[kept]), None
         self._is_split = self._can_split()
@@ -129,25 +128,22 @@ class ContactTangent:
         self._lost += max(gain, 0.0)
         return self._lost < _INVERSE * float(self.constant.count) ** 3
 
-    def solve(self, right: Array) -> Array:
-        """Solve for all unknowns; not a number where the tangent is singular."""
-        return self.border.solve(right, self._solve)
-
-    def _solve(self, right: Array) -> Array:
-        """M⁻¹ r; not a number where M is singular."""
+    def solve(self, right: Array, left: float = LEFT) -> Array:
+        """M⁻¹ r, but for a share that may be left; not a number where M is singular."""
         if self._is_split and self._split is not None:
-            found = self._split.solve(right)
+            found = self._split.solve(right, left)
             if found is not None:
                 return found
             self._is_split = False
             self.compliance.factorise(self._entries)
         return self.compliance.solve(right)
 
-    def solve_transposed(self, right: Array) -> Array:
-        """With the transpose, of all unknowns; not a number where it is singular."""
-        return self.border.solve_transposed(right, self._solve_transposed)
+    @property
+    def split(self) -> SplitSolver | None:
+        """The solver in stiff and soft parts, where that is the way of this tangent."""
+        return self._split if self._is_split else None
 
-    def _solve_transposed(self, right: Array) -> Array:
+    def solve_transposed(self, right: Array) -> Array:
         """M⁻ᵀ r; not a number where M is singular."""
         if self._is_split and self._split is not None:
             found = self._split.solve_transposed(right)
@@ -159,30 +155,113 @@ class ContactTangent:
 
     def multiply(self, values: Array) -> Array:
         """The tangent times all unknowns."""
-        inner, scalars = values[: self.constant.size], values[self.constant.size :]
-        forces, own = self.border.times(inner, scalars)
-        return np.concatenate([self.constant.with_contacts(self._added, inner) + forces, own])
+        return self.constant.with_contacts(self._added, values)
+
+    def of_contacts(self, values: Array) -> Array:
+        """Qᵀ W Q times all unknowns."""
+        constant = self.constant
+        return constant.onto_unknowns(self._added @ constant.every(values))
 
     def times(self, values: Array) -> Array:
         """The tangent without contacts times all unknowns."""
-        inner, scalars = values[: self.constant.size], values[self.constant.size :]
-        forces, own = self.border.times(inner, scalars)
-        return np.concatenate([self.constant.times(inner) + forces, own])
+        return self.constant.times(values)
 
     def times_transposed(self, values: Array) -> Array:
         """The transpose, without contacts, times all unknowns."""
-        inner, scalars = values[: self.constant.size], values[self.constant.size :]
+        return self.constant.transposed.times(values)
+
+    def magnitude(self, sizes: Array) -> float:
+        """Σ |M| |y| over all rows, of sizes |y|."""
+        return self.constant.magnitude(sizes) + self.magnitude_of_contacts(sizes)
+
+    def magnitude_of_contacts(self, sizes: Array) -> float:
+        """Σ |Qᵀ W Q| |y| over all rows, of sizes |y|."""
+        derived = np.abs(self.constant.derived)
+        every = np.concatenate([sizes, derived @ sizes[: self.constant.count]])
+        count = np.concatenate([np.ones(len(sizes)), derived.sum(axis=1)])
+        return float(count @ (abs(self._added) @ every))
+
+    def onto_unknowns(self, forces: Array) -> Array:
+        """Qᵀ f of forces on the unknowns and the derived jumps."""
+        return self.constant.onto_unknowns(forces)
+
+    def compliances(
+        self,
+        relative_to: Callable[[Integers], csr_matrix],
+        across: csr_matrix,
+        ways: Sequence[csr_matrix],
+    ) -> tuple[Array, list[Array]] | None:
+        """How far forces along rows move the first rows, as ``CondensedSystem.compliances``."""
+        return self.compliance.between(relative_to, across, ways)
+
+
+class ContactTangent:
+    """M with the rows and columns of the body's scalars around it.
+
+    Args:
+        inner: M.
+        border: Rows and columns of the body's scalars; by default there are none.
+
+    Attributes:
+        inner: See the arguments.
+        border: Likewise.
+        newton_left: Share of the forces that a step of Newton's method may leave.
+    """
+
+    def __init__(self, inner: UnknownsTangent, border: ScalarBorder | None = None) -> None:
+        self.inner, self.border = inner, border or ScalarBorder.empty(inner.size)
+        self.newton_left, self._left = LEFT, inf
+
+    def set(self, entries: Entries) -> None:
+        """Set W by its entries; those at the same place add up."""
+        self._forget_border(inf)
+        self.inner.set(entries)
+
+    def _forget_border(self, left: float) -> None:
+        self.border.forget()
+        self._left = left
+
+    def solve(self, right: Array, left: float = LEFT) -> Array:
+        """Solve for all unknowns; not a number where the tangent is singular.
+
+        Args:
+            right: Of all unknowns.
+            left: Share of it that the solve may leave, where that spares work.
+        """
+        split = self.inner.split
+        if split is not None and self.border.count:
+            found = gmres(self.border.around(split), right, left)
+            if found is not None:
+                return found
+        if left < self._left:
+            self._forget_border(left)
+        return self.border.solve(right, partial(self.inner.solve, left=left))
+
+    def solve_transposed(self, right: Array) -> Array:
+        """With the transpose, of all unknowns; not a number where it is singular."""
+        return self.border.solve_transposed(right, self.inner.solve_transposed)
+
+    def multiply(self, values: Array) -> Array:
+        """The tangent times all unknowns."""
+        return self._with_border(values, self.inner.multiply)
+
+    def times(self, values: Array) -> Array:
+        """The tangent without contacts times all unknowns."""
+        return self._with_border(values, self.inner.times)
+
+    def times_transposed(self, values: Array) -> Array:
+        """The transpose, without contacts, times all unknowns."""
+        return self._with_border(values, self.inner.times_transposed)
+
+    def _with_border(self, values: Array, times: Callable[[Array], Array]) -> Array:
+        inner, scalars = values[: self.inner.size], values[self.inner.size :]
         forces, own = self.border.times(inner, scalars)
-        return np.concatenate([self.constant.transposed.times(inner) + forces, own])
+        return np.concatenate([times(inner) + forces, own])
 
     def magnitude(self, values: Array) -> float:
         """Σ |M| |y| over all rows, of all unknowns."""
-        constant, sizes = self.constant, np.abs(values[: self.constant.size])
-        derived = np.abs(constant.derived)
-        every = np.concatenate([sizes, derived @ sizes[: constant.count]])
-        count = np.concatenate([np.ones(len(sizes)), derived.sum(axis=1)])
-        inner = constant.magnitude(sizes) + count @ (abs(self._added) @ every)
-        return float(inner + self.border.magnitude(sizes, np.abs(values[constant.size :])))
+        inner, scalars = np.abs(values[: self.inner.size]), np.abs(values[self.inner.size :])
+        return self.inner.magnitude(inner) + self.border.magnitude(inner, scalars)
 
 
 class TangentOperator:
@@ -192,13 +271,13 @@ class TangentOperator:
         self._dense = dense
 
     def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
-        """M y."""
+        """Product M y."""
         if self._dense is not None:
             with result as array:
                 array[:] = self._dense.multiply(np.array(values.array_r))
 
     def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
-        """M⁻¹ r."""
+        """Solution M⁻¹ r."""
         if self._dense is not None:
             with solution as array:
-                array[:] = self._dense.solve(np.array(right.array_r))
+                array[:] = self._dense.solve(np.array(right.array_r), self._dense.newton_left)

@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.mortar.projection import NodalProjection, Projection
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
@@ -40,6 +41,18 @@ class _Block:
     slaves: Integers
     masters: Integers
     projection: NodalProjection
+
+    def add_to_masters(self, stiffness: Array, factor: float) -> None:
+        """Bᵀ S B of a symmetric S, B = 1 with a multiple of P from masters to slaves; in place."""
+        rows = stiffness[self.slaves]
+        columns = np.flatnonzero(rows.any(axis=0))  # those of other bodies have none
+        # Written out: a product is far less than as many solves with the mass of the slave.
+        written = factor * self.projection.written_rows(np.arange(len(self.slaves)))
+        taken = written.T @ rows[:, columns]
+        corner = (written.T @ rows[:, self.slaves]) @ written
+        stiffness[np.ix_(self.masters, columns)] += taken
+        stiffness[np.ix_(columns, self.masters)] += taken.T
+        stiffness[np.ix_(self.masters, self.masters)] += corner
 
     def of_rows(self, chosen: Flags) -> _Block:
         """The jump at some dofs of the slave's surface, (dofs,)."""
@@ -77,7 +90,8 @@ class ContactVariables:
         }
         self.is_as_meshed = all(pairing.is_as_meshed for pairing in pairings.values())
         self._projections = {one: found.whole_projection() for one, found in pairings.items()}
-        self._faced = {one: found.whole_faced() for one, found in pairings.items()}
+        self._near = {one: dofs.near(one.contact.sides) for one in pairings}
+        self._faced = {one: self._that_face(one, found) for one, found in pairings.items()}
         self._blocks = {surface: self._blocks_of(surface) for surface in surfaces}
         jumps = self._choose_jumps(surfaces)
         self._transform = [
@@ -107,19 +121,26 @@ class ContactVariables:
         """Whether any unknown is the jump of two bodies."""
         return bool(self._transform)
 
+    def _that_face(self, surface: SurfaceMatrix, pairing: Pairing) -> Flags:
+        """Nodes of a slave that face the master and take part, (nodes,); collective."""
+        near, faced = self._near[surface], pairing.whole_faced()
+        return faced if near is None else faced & near.slaves
+
     def _blocks_of(self, surface: SurfaceMatrix) -> list[_Block]:
         """P of a contact by components, where it has entries; held slaves have no unknowns."""
         pairing = surface.contact.kinematics.pairing
         if pairing is None:
             return []
-        parts, free = self._projections[surface].components, self._dofs.is_free
+        near, free = self._near[surface], self._dofs.is_free
+        parts = self._projections[surface].components
         slave, master = self._places[surface], self._dofs.places(pairing.dofs)
         found, size = [], len(parts)
         for axis, projection in enumerate(parts):
             others = master[axis::size]
-            columns = np.flatnonzero(free[others] & projection.nonzero_columns())
+            moves = projection.nonzero_columns() & (near is None or near.masters)
+            columns = np.flatnonzero(free[others] & moves)
             kept = projection.restricted(np.arange(projection.shape[0]), columns)
-            nodes = np.flatnonzero(kept.nonzero_rows())
+            nodes = np.flatnonzero(kept.nonzero_rows() & (near is None or near.slaves))
             rows = nodes * size + axis
             slaves = np.where(free[slave[rows]], self._unknown_of[slave[rows]], -1)
             masters = self._unknown_of[others[columns]]
@@ -223,20 +244,19 @@ class ContactVariables:
         return rows
 
     def stiffness(self, schur: Array) -> Array:
-        """Tᵀ S T of a symmetric S; of both triangles only one is worked out."""
-        if not self._transform:
-            return schur
-        found = schur.copy()
+        """Tᵀ S T of a symmetric S, in place."""
         for block in reversed(self._transform):
-            taken = block.projection.transposed(found[block.slaves])
-            corner = block.projection.transposed(taken[:, block.slaves].T)
-            found[block.masters] += taken
-            found[:, block.masters] += taken.T
-            found[np.ix_(block.masters, block.masters)] += corner
-        return found
+            block.add_to_masters(schur, 1.0)
+        return schur
+
+    def nodal_stiffness(self, stiffness: Array) -> Array:
+        """S of a symmetric Tᵀ S T, in place."""
+        for block in self._transform:
+            block.add_to_masters(stiffness, -1.0)
+        return stiffness
 
     def forces(self, forces: Array) -> Array:
-        """Tᵀ f."""
+        """Product Tᵀ f."""
         return np.asarray(self._transformed(forces.copy()[None])[0])
 
     def nodal_forces(self, forces: Array) -> Array:
@@ -247,14 +267,14 @@ class ContactVariables:
         return found
 
     def displacements(self, unknowns: Array) -> Array:
-        """T y."""
+        """Product T y."""
         found = unknowns.copy()
         for block in self._transform:
             found[block.slaves] += block.projection.apply(found[block.masters])
         return found
 
     def unknowns(self, displacements: Array) -> Array:
-        """T⁻¹ u."""
+        """Solution T⁻¹ u."""
         found = displacements.copy()
         for block in self._transform:
             found[block.slaves] -= block.projection.apply(displacements[block.masters])
@@ -269,7 +289,7 @@ class ContactVariables:
         return np.concatenate(rows)
 
     def derived_jumps(self, unknowns: Array) -> Array:
-        """R y."""
+        """Product R y."""
         if not self.derived_count:
             return np.zeros(0)
         moved = np.zeros(len(self._dofs.numbers))

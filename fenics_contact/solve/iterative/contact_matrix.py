@@ -17,8 +17,8 @@ from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.surface.space import SurfaceSpace
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
+from fenics_contact.solve.systems.bulk_matrix import preallocate_places, set_at_places
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from fenics_contact.solve.systems.petsc_library import preallocate_places, set_at_places
 
 
 class PairDofs:
@@ -127,7 +127,7 @@ class PairMatrix:
         return self.dofs.on_body(self._times(self._stiffness, -opposite), reaction)
 
     def magnitudes(self, displacement: Array) -> Array:
-        """The same with magnitudes of K_c, and of what P makes of its arguments; collective."""
+        """Product with magnitudes of K_c, and of what P makes of its arguments; collective."""
         own, opposite = self.dofs.motions(displacement)
         opposite = np.abs(opposite)
         first, columns, values = self._stiffness.getValuesCSR()
@@ -159,7 +159,7 @@ Pairs = tuple[Integers, Integers]
 
 
 class ContactMatrix(AddedTangents):
-    """The part of the tangent beside K, as a matrix, so that no copy of K is made.
+    """The part of the tangent besides K, as a matrix, so that no copy of K is made.
 
     Attributes:
         matrix: The entries, in the layout of all unknowns; masters of contacts between bodies held.

@@ -262,7 +262,7 @@ class CarriedSlaves:
         return bool(self._pairs)
 
     def carry(self, displacement: Array, inside: Flags) -> Array:
-        """T y.
+        """Product T y.
 
         Args:
             displacement: y of this rank's own dofs, 0 outside the zone.

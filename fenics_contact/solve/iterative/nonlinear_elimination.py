@@ -19,8 +19,8 @@ from petsc4py import PETSc
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
+from fenics_contact.solve.globalisation import search_by_secants
 from fenics_contact.solve.iterative.zoned_system import ZonedSystem
-from fenics_contact.solve.line_search import search_by_secants
 
 # Share of the forces that the first linear solve leaves; later ones leave this times the last
 # reduction to this power.

@@ -226,7 +226,7 @@ class ZonedSystem(BodySystem):
             array[: self._owned_size] += self._outer.array_r
 
     def solve_zone(self, left: Array) -> Array:
-        """What leaves no forces as stiff as 1/ε₁ in the zone, all else held; collective.
+        """Increment that leaves no forces as stiff as 1/ε₁ in the zone, all else held; collective.
 
         It balances them, but where masters in the zone carry their slaves with them.
         """
@@ -245,7 +245,7 @@ class ZonedSystem(BodySystem):
         return found
 
     def update_pairing(self) -> None:
-        """Take what carries what and the zone anew; tangents see it by themselves; collective."""
+        """Update the zone and the carried slaves; tangents see it by themselves; collective."""
         self._carried = CarriedSlaves(self.problem, self.contacts)
         self._on_contacts = on_contacts(self.problem)
         self._move_zone()

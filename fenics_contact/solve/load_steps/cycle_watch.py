@@ -13,9 +13,9 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import OPEN
 from fenics_contact.problem.problem import Problem
-from fenics_contact.results.records.cycles import CycleEnd
-from fenics_contact.scene.loading.cycles import Cycles
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.results.records.steps import CycleEnd
+from fenics_contact.scene.core_scene import LoadCycles
+from fenics_contact.solve.systems.solution import Solution
 
 # Of pseudo-times that are the same.
 _SAME = 1e-9
@@ -48,7 +48,7 @@ class CycleWatch:
         cycles: Those of its scene.
     """
 
-    def __init__(self, problem: Problem, cycles: Cycles) -> None:
+    def __init__(self, problem: Problem, cycles: LoadCycles) -> None:
         self._problem, self._cycles = problem, cycles
         self._ends = np.array(cycles.repetition.ends)
         self._before: _End | None = None
@@ -64,11 +64,7 @@ class CycleWatch:
         self._before = None
 
     def step(self, time: float, found: Solution) -> CycleEnd | None:
-        """Follow a load step that is accepted, before slip is counted anew; collective.
-
-        Args:
-            time: Its pseudo-time.
-            found: Of it.
+        """Follow a load step that is accepted, before slip is counted from it; collective.
 
         Returns:
             What the cycle that ends with it has brought, if one does.
@@ -146,7 +142,7 @@ class CycleWatch:
         return self._last
 
     def _rests(self, before: _End, end: _End) -> bool:
-        """Whether what laws keep changes no more, beside what cycles have changed; collective.
+        """Whether what laws keep changes no more, against what cycles have changed; collective.
 
         Wear that goes on, or friction that goes by all that has slipped, makes no closed loop.
         """

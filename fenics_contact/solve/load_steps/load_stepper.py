@@ -4,7 +4,7 @@ The steps of a motion: load steps that begin where bodies would fly to, and reme
 Each is a problem of statics (``Inertia``); going back and accepting are those of load steps.
 
 All that
-solves does it here: a run, a study, derivatives, modes, stability, wear. What is asked of an
+solves does it here: a run, a study, an analysis. What is asked of an
 answer listens to the load steps, or reads what they leave; it does not change how they are solved.
 """
 
@@ -20,18 +20,23 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
-from fenics_contact.contact.snapshot import recall, remember
 from fenics_contact.problem.existence.condition import require_equilibrium
-from fenics_contact.problem.inertia.moving import MovingInertia, moving
-from fenics_contact.problem.inertia.states import FirstState, MovingState, StepForces, elastic_slip
-from fenics_contact.problem.loads.given_load import Drive
+from fenics_contact.problem.loads.disturbance import Drive
+from fenics_contact.problem.motion_states import FirstState, MovingState, StepForces, elastic_slip
+from fenics_contact.problem.moving import MovingInertia, moving
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.coulomb.strategies import solve_step
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, AuxiliaryState, StepListener
+from fenics_contact.solve.load_steps.accepted_step import (
+    AcceptedStep,
+    AuxiliaryState,
+    StepListener,
+    recall,
+    remember,
+)
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.solver_choice import Condense, SolverChoice, choose_solver, create_system
+from fenics_contact.solve.strategies import solve_step
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.solve.systems.system import System
 
 # Of a step, by which lengths of steps may differ.
@@ -111,12 +116,7 @@ class MotionSteps(LoadSteps):
 
 
 def forces_of_step(problem: Problem, solution: Solution) -> StepForces:
-    """Forces of a step of motion at the nodes, in whose state the problem is; collective.
-
-    Args:
-        problem: Of bodies that move.
-        solution: Of the step.
-    """
+    """Forces of a step of motion at the nodes, in whose state the problem is; collective."""
     pressed: Array = np.zeros_like(problem.load)
     for contact, force in zip(problem.contacts, solution.normal_force, strict=True):
         pressed += contact.kinematics.on_body(contact.trace.at_all_nodes(force))

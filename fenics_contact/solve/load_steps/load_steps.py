@@ -11,23 +11,24 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError, StoppedError
-from fenics_contact.contact.snapshot import ContactMemory, remember
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Steps
 from fenics_contact.solve.load_steps.accepted_step import (
     AcceptedStep,
     AuxiliaryState,
+    ContactMemory,
     StepEnd,
     StepListener,
     Unknowns,
     contact_change,
+    remember,
 )
 from fenics_contact.solve.load_steps.cycle_watch import CycleWatch
 from fenics_contact.solve.load_steps.step_control import FixedPace, Pace, PaceOfCycles, pace_of
 from fenics_contact.solve.load_steps.step_tries import StepTries, Warm
-from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.newton import Newton
+from fenics_contact.solve.systems.solution import Solution
 
 logger = logging.getLogger(__name__)
 
@@ -90,7 +91,8 @@ class LoadSteps(StepTries):
             while (time := self.pace.next(self.time)) is not None:
                 self.newton.require_going_on()
                 self.tried = time
-                logger.debug("  time %g of %g", time, self.problem.scene.load_steps.last)
+                last = self.problem.scene.load_steps.last
+                logger.debug("  time %g of %g", time, last, extra={"share": self.time / last})
                 self._take(time)
         except (NotConvergedError, StoppedError):
             self.go_back()

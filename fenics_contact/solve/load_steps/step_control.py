@@ -123,11 +123,7 @@ class AutomaticPace:
         return [self.size, self._before_cut, self._refused, self._refused_until]
 
     def resume(self, state: Sequence[float]) -> None:
-        """Go on as before, within the bounds of the present scene.
-
-        Args:
-            state: That of another run.
-        """
+        """Go on as before, within the bounds of the present scene."""
         steps = self._steps
         if state:  # else its steps were listed
             sizes = [min(max(size, steps.smallest_size), steps.largest_size) for size in state[:2]]
@@ -161,11 +157,7 @@ class PaceOfCycles:
         return [*self._pace.state, self._cycles.tolerance if self._is_ended else 0.0]
 
     def resume(self, state: Sequence[float]) -> None:
-        """Go on as before.
-
-        Args:
-            state: That of another run.
-        """
+        """Go on as before."""
         self._is_ended = _has_ended(self._cycles, state)
         self._pace.resume(state[:-1])
 
@@ -186,12 +178,7 @@ def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | PaceOfCycles:
 
 
 def has_ended(scene: Scene, state: Sequence[float]) -> bool:
-    """Whether the pace of a run had ended before its last load step.
-
-    Args:
-        scene: Of the run.
-        state: That of its pace.
-    """
+    """Whether the pace of a run had ended before its last load step."""
     return scene.cycles is not None and _has_ended(scene.cycles, state)
 
 

@@ -9,15 +9,21 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
-from fenics_contact.contact.snapshot import ContactMemory, recall, recall_pairing, remember
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
-from fenics_contact.solve.coulomb.strategies import solve_step
-from fenics_contact.solve.coulomb.without_friction import follow_pressure
-from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, Unknowns
-from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.slack import release_held, take_up_slack
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.load_steps.accepted_step import (
+    AcceptedStep,
+    ContactMemory,
+    Unknowns,
+    recall,
+    recall_pairing,
+    remember,
+)
+from fenics_contact.solve.monolithic import is_held_by_friction
+from fenics_contact.solve.newton import Newton
+from fenics_contact.solve.strategies import release_held, solve_step, take_up_slack
+from fenics_contact.solve.systems.solution import Solution
+from fenics_contact.solve.without_friction import follow_pressure
 
 # Of pseudo-times that are the same.
 _SAME = 1e-9
@@ -166,13 +172,27 @@ class StepTries(StepRollback):
         self._guess, self._warm = guess, warm
 
     def _try(self, time: float) -> Solution:
+        """Solve a step; again where the contact dofs turn out to be too few; collective."""
+        system = self.newton.system
+        while True:
+            try:
+                found = self._try_once(time)
+            except NotConvergedError:
+                if not system.take_in_all():
+                    raise
+            else:
+                if not system.take_in_closed():
+                    return found
+            self.go_back()
+
+    def _try_once(self, time: float) -> Solution:
         """Solve a step, from where it is thought to end or else from where it begins."""
         newton = self.newton
         found = None if self._warm is None else self._from_another_answer(time, self._warm)
         if found is not None:
             return found
-        predicted = self._prediction(time)
         newton.forget()
+        predicted = self._prediction(time)
         self._begin(time, predicted)
         try:
             return self._solve()
@@ -213,6 +233,8 @@ class StepTries(StepRollback):
     def _prediction(self, time: float) -> Unknowns | None:
         """Where the last two steps lead to, if no load path turns on the way.
 
+        Where friction alone holds bodies, where the last statuses lead to.
+
         Not with the static law: its answers do not go on in straight lines, and a step begins
         nearer to its end without it.
         """
@@ -220,6 +242,8 @@ class StepTries(StepRollback):
             return self._guess
         if not all(contact.friction.follows_path for contact in self.problem.coulomb):
             return None
+        if is_held_by_friction(self.problem):
+            return self._step_ahead(self.last.unknowns.time, time)
         if self.last.before is None:
             return None
         before = self.last.before
@@ -227,3 +251,31 @@ class StepTries(StepRollback):
         if any(before.time + close < knot < time - close for knot in self._knots):
             return None
         return before.towards(self.last.unknowns, time)
+
+    def _step_ahead(self, last: float, time: float) -> Unknowns | None:
+        """Where one Newton step leads to that the last load step would have had next; collective.
+
+        Slip still counts from where it did, so that what slipped slips on, and what stuck sticks.
+        None where a load path turns at the last load step or after it.
+        """
+        close = _SAME * (time - last)
+        turns = any(last - close < knot < time - close for knot in self._knots)
+        if turns or self._has_moved_on:
+            return None
+        newton, problem = self.newton, self.problem
+        problem.set_time(time)
+        newton.system.follow_supports()
+        for contact in problem.coulomb:
+            contact.friction_term.tangent_state.stick_all()
+            contact.friction_term.follow_pressure()
+        newton.take_steps(1)
+        system, mixed = newton.system, problem.elastic.mixed
+        found = Unknowns(
+            time,
+            lambda: problem.displacement.x.array.reshape(problem.load.shape),
+            system.scalar_values(system.state),
+            np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy(),
+            system.position(),
+        )
+        self.go_back()
+        return found

@@ -13,12 +13,12 @@ from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.scalar import ScalarUnknown
+from fenics_contact.problem.scalar_unknown import ScalarUnknown
 from fenics_contact.solve.systems.contact_stiffness import Entries, PairStiffness, SurfaceMatrix
 
 
 class AddedTangents:
-    """The parts of the tangent beside K: of contacts and scalar unknowns.
+    """The parts of the tangent besides K: of contacts and scalar unknowns.
 
     Each rank's rows are its displacements, then its mean stresses; rank 0 has the scalars
     last. A contact's energy depends on the jump w = u − d m, so its tangent K_c in the jump

@@ -2,18 +2,57 @@
 
 from __future__ import annotations
 
+import ctypes
+from typing import Any
+
 import numpy as np
 from dolfinx import fem
-from dolfinx.fem import petsc as fem_petsc
 from petsc4py import PETSc
 
 from fenics_contact.body.preloaded_part import ScalarForces
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
+from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.scalar import ScalarUnknown
+from fenics_contact.problem.scalar_unknown import ScalarUnknown
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
-from fenics_contact.solve.systems.petsc_library import preallocate_places, set_at_places
+
+
+def call(name: str, *arguments: Any) -> None:
+    """Call one function; petsc4py's objects are passed by their handles.
+
+    Raises:
+        FenicsContactError: PETSc returned an error.
+    """
+    passed = [
+        ctypes.c_void_p(argument.handle) if hasattr(argument, "handle") else argument
+        for argument in arguments
+    ]
+    code = getattr(ctypes.CDLL(PETSc.__file__), name)(*passed)
+    if code:
+        raise FenicsContactError(f"PETSc's error {code} in {name}")
+
+
+def preallocate_places(matrix: PETSc.Mat, rows: AnyIntegers, columns: AnyIntegers) -> None:
+    """Give a matrix the places of ``set_at_places``, one for each entry; collective.
+
+    Args:
+        matrix: Without entries yet.
+        rows: Of the entries that this rank gives, by their numbers over all ranks; a place may
+            come more than once, and be another rank's.
+        columns: Likewise.
+    """
+    # PETSc may overwrite both.
+    places = [np.array(numbers, dtype=PETSc.IntType) for numbers in (rows, columns)]
+    pointers = [ctypes.c_void_p(numbers.ctypes.data) for numbers in places]
+    call("MatSetPreallocationCOO", matrix, ctypes.c_ssize_t(len(rows)), *pointers)
+
+
+def set_at_places(matrix: PETSc.Mat, values: Array) -> None:
+    """Set all entries, in the order of their places; those at one place add up; collective."""
+    given = np.ascontiguousarray(values, dtype=np.float64)
+    insert = ctypes.c_int(int(PETSc.InsertMode.INSERT_VALUES))
+    call("MatSetValuesCOO", matrix, ctypes.c_void_p(given.ctypes.data), insert)
 
 
 class LinearSystem(AddedTangents):
@@ -151,7 +190,7 @@ class LinearSystem(AddedTangents):
     def _empty_columns(
         self, line: PETSc.Mat, sizes: tuple[int, int], local: list[Integers]
     ) -> PETSc.Mat:
-        """A matrix of the scalars' columns beside a block, with room in some of its rows."""
+        """A matrix of a block and the scalars' columns, with room in some of its rows."""
         columns = PETSc.Mat().createAIJ((line.getSizes()[0], sizes), comm=self._problem.comm)
         columns.setPreallocationNNZ((self.scalars, self.scalars))
         first = line.getOwnershipRange()[0]
@@ -212,6 +251,8 @@ class LinearSystem(AddedTangents):
 
 def assembled(form: fem.Form) -> PETSc.Mat:
     """The matrix of a compiled form; collective."""
+    from dolfinx.fem import petsc as fem_petsc  # loads a parser of C, which condensing does without
+
     matrix = fem_petsc.assemble_matrix(form)
     matrix.assemble()
     return matrix

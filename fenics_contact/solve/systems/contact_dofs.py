@@ -10,6 +10,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.contact.slave_and_master import ContactSides
+from fenics_contact.solve.systems.near_nodes import NearNodes
 
 
 class ContactDofs:
@@ -25,19 +26,27 @@ class ContactDofs:
         spaces: The body's.
         constrained: Dofs that supports hold (local indices, owned and ghost).
         sides: The surfaces at which contacts may act.
+        near: The nodes of each that take part, None for all; by default all of all.
     """
 
     def __init__(
-        self, spaces: Spaces, constrained: Integers, sides: Sequence[ContactSides]
+        self,
+        spaces: Spaces,
+        constrained: Integers,
+        sides: Sequence[ContactSides],
+        near: Sequence[NearNodes | None] | None = None,
     ) -> None:
         self._comm = spaces.comm
         components = spaces.components
         index_map = spaces.displacement_space.dofmap.index_map
         first, last = (number * components for number in index_map.local_range)
         none = np.zeros(0, dtype=np.int64)
-        masters = [side.pairing.dofs for side in sides if side.pairing is not None]
-        touched = [none, *(side.trace.surface.dofs for side in sides), *masters]
-        self.numbers = np.unique(np.concatenate(touched))
+        near = [None] * len(sides) if near is None else near
+        self._near = [(s, n) for s, n in zip(sides, near, strict=True) if n is not None]
+        touched = [dofs_of(side, which) for side, which in zip(sides, near, strict=True)]
+        if self._near and not any(len(dofs) for dofs in touched):
+            touched = [sides[0].trace.surface.dofs[:1]]  # ``places`` are to be some
+        self.numbers = np.unique(np.concatenate([none, *touched]))
         self._mine = self.numbers[(self.numbers >= first) & (self.numbers < last)] - first
         self.constrained = np.zeros(len(spaces.coordinates) * components, dtype=bool)
         self.constrained[constrained] = True
@@ -67,5 +76,46 @@ class ContactDofs:
         return gather_rows(self._comm, values[self._mine])
 
     def places(self, dofs: Integers) -> Integers:
-        """Where dofs of surfaces, by the body's global numbers, are among these."""
-        return np.searchsorted(self.numbers, dofs)
+        """Where dofs of surfaces, by the body's global numbers, are among these.
+
+        Of those that are not among them it is that of another one.
+        """
+        return np.minimum(np.searchsorted(self.numbers, dofs), max(len(self.numbers) - 1, 0))
+
+    @property
+    def leaves_out(self) -> bool:
+        """Whether some nodes of contact surfaces take no part."""
+        return bool(self._near)
+
+    def near(self, sides: ContactSides) -> NearNodes | None:
+        """The nodes of two surfaces that take part, None where all of them do."""
+        return next((near for one, near in self._near if one is sides), None)
+
+
+def dofs_of(sides: ContactSides, near: NearNodes | None) -> Integers:
+    """The body's numbers of the contact dofs of one contact, on all ranks; collective.
+
+    Args:
+        sides: Its surfaces.
+        near: The nodes that take part, None for all.
+    """
+    slaves, size = slaves_of(sides, near), sides.trace.surface.components
+    if sides.opposite is None:
+        return slaves
+    masters = sides.opposite.surface.dofs
+    if near is not None:
+        masters = masters[np.repeat(near.masters, size)]
+    return np.concatenate([slaves, masters])
+
+
+def slaves_of(sides: ContactSides, near: NearNodes | None) -> Integers:
+    """The body's numbers of the contact dofs of one contact's slave, on all ranks; collective.
+
+    Args:
+        sides: The contact's surfaces.
+        near: The nodes that take part, None for all.
+    """
+    surface = sides.trace.surface
+    if near is None:
+        return surface.dofs
+    return surface.dofs[np.repeat(near.slaves, surface.components)]

@@ -19,7 +19,7 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import of_every_rank
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.laws.force import ContactForce
+from fenics_contact.contact.laws.law import ContactForce
 from fenics_contact.contact.mortar.pairing import Pairing
 from fenics_contact.contact.mortar.projection import Projection, parts_of
 from fenics_contact.contact.surface.averaging import SurfaceAverage
@@ -121,7 +121,7 @@ class PairStiffness:
     def _made(
         self, transposed: csr_matrix, projection: Projection
     ) -> Iterator[tuple[Integers, Array]]:
-        """The same, from K_cᵀ and P."""
+        """Entries of the transposed tangent, from K_cᵀ and P."""
         for part in parts_of(len(self.own), _ROWS):
             chosen = self.own[part]
             unit = np.zeros((len(self.dofs), len(chosen)))
@@ -176,7 +176,7 @@ class SurfaceMatrix:
 
     @cached_property
     def between_points(self) -> list[NeighbourStiffness]:
-        """Of the laws whose forces at a point follow the jump at others; collective."""
+        """Tangents of laws whose forces at a point follow the jump at others; collective."""
         terms = self.contact.forces.terms
         found = [(term, term.neighbours) for term in terms]
         return [NeighbourStiffness(term, by) for term, by in found if by is not None]

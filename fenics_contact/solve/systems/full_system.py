@@ -22,8 +22,8 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.bulk_matrix import LinearSystem
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
-from fenics_contact.solve.systems.step_springs import free_motions, sprung
-from fenics_contact.solve.systems.system import BodyAnswer, FindBody, System
+from fenics_contact.solve.systems.solution import BodyAnswer, FindBody
+from fenics_contact.solve.systems.system import System, free_motions, sprung
 
 
 class BodySystem(System):
@@ -56,7 +56,7 @@ class BodySystem(System):
         return self._nodal_displacement().copy()
 
     def position_of(self, displacement: Array) -> Array:
-        """Itself."""
+        """The system itself."""
         return displacement
 
     def begin_at(self, position: Array) -> None:

@@ -1,65 +1,35 @@
-"""The system that Newton's method solves, bulk, contacts and scalars in balance; its answer.
+"""The system that Newton's method solves: bulk, contacts and scalars in balance.
 
 A system turns
 PETSc's vectors of unknowns into jumps of the contacts, and forces of the contacts into residuals
 and tangents. The full one has every displacement as an unknown, the condensed one only those of
 the contact surfaces.
+
+Springs keep steps of Newton's method short where contact alone holds a body. A roller that
+touches a ring at a few points can roll: nothing but the neighbours of these points resists, once
+they touch. The tangent is singular, or nearly so, and a step by it goes far beyond what is drawn.
+Springs at as many dofs as there are free motions are added to the tangent, and to nothing else:
+the forces in balance have none, so that the answer has none (proximal point method: R. T.
+Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898).
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 from petsc4py import PETSc
+from scipy.linalg import qr
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import from_root, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalars.scalar import ScalarUnknown
-
-
-@dataclass(frozen=True, eq=False)
-class BodyAnswer:
-    """Nodal values of this rank, each of shape (nodes, components), ghosts included.
-
-    Attributes:
-        displacement: u (length).
-        internal_force: K u, from the bulk alone (force).
-        round_off: Largest that round-off may leave of the balance inside the body; 0 where the
-            imbalance has it already (force).
-    """
-
-    displacement: Array
-    internal_force: Array
-    round_off: float = 0.0
-
-
-# Gives it; collective.
-FindBody = Callable[[], BodyAnswer]
-
-
-class LazyDisplacement:
-    """Finds the answer when it is asked for first, and lets go of what finds it.
-
-    Args:
-        find: Collective. It also sets the problem's functions to the answer.
-    """
-
-    def __init__(self, find: FindBody) -> None:
-        self._find: FindBody | None = find
-        self._found: BodyAnswer | None = None
-
-    def __call__(self) -> BodyAnswer:
-        """The answer; collective."""
-        if self._find is not None:
-            self._found, self._find = self._find(), None
-        assert self._found is not None
-        return self._found
+from fenics_contact.problem.rigid_motions import RigidMotions
+from fenics_contact.problem.scalar_unknown import ScalarUnknown
+from fenics_contact.solve.systems.solution import FindBody
 
 
 class System(ABC):
@@ -73,6 +43,7 @@ class System(ABC):
         options: PETSc's options for its linear solves.
         first_way: Which strategy of Coulomb friction ``auto`` begins with.
         repeats_cheaply: Whether another answer of the body costs little beside the first.
+        repeats_history_cheaply: Whether all load steps once more do.
         scale_tolerance: Imbalance over the forces from which the ε of a contact that carries
             most of the forces is known well enough; None where further steps cost little.
         factorisations: How often a matrix of the bulk was factorised.
@@ -86,6 +57,7 @@ class System(ABC):
     options: ClassVar[dict[str, Any]]
     first_way: str = "campos"
     repeats_cheaply: ClassVar[bool] = False
+    repeats_history_cheaply: bool = False
     scale_tolerance: ClassVar[float | None] = None
     is_sprung: bool = False
     state: PETSc.Vec
@@ -107,7 +79,7 @@ class System(ABC):
 
     @abstractmethod
     def position(self) -> Array:
-        """The displacements that the unknowns stand for, to begin at again; collective."""
+        """The unknowns as displacements, to begin at again; collective."""
 
     @abstractmethod
     def position_of(self, displacement: Array) -> Array:
@@ -115,9 +87,6 @@ class System(ABC):
 
     def at_contacts(self, find_body: FindBody) -> Array:
         """Displacement of the present state, at least at the contacts' nodes; collective.
-
-        Args:
-            find_body: Finds all of it.
 
         Returns:
             At the body's nodes of this rank, (nodes, components) (length).
@@ -175,10 +144,26 @@ class System(ABC):
 
     @abstractmethod
     def prepare(self, snes: PETSc.SNES) -> None:
-        """Set whatever the linear solver needs beside its options."""
+        """Set whatever the linear solver needs besides its options."""
+
+    def take_in_closed(self) -> bool:
+        """Take in contact dofs where points have closed that the last answer left out; collective.
+
+        Returns:
+            Whether there are any: the step is to be solved again.
+        """
+        return False
+
+    def take_in_all(self) -> bool:
+        """Take in all contact dofs, after a solve without some has failed; collective.
+
+        Returns:
+            Whether there were others: the step is to be tried again.
+        """
+        return False
 
     def precompute_loads(self, loads: Sequence[Array]) -> None:  # noqa: B027  (most have nothing to prepare)
-        """Prepare for answers under loads beside those that there are; collective.
+        """Prepare for answers under further loads; collective.
 
         Args:
             loads: At the nodes of this rank, (nodes, components) each (force).
@@ -195,6 +180,11 @@ class System(ABC):
     @property
     def present_forces(self) -> float:
         """1-norm of the forces on the body at the last residual (force); collective."""
+        return self.given_forces + self._contact_norm
+
+    @property
+    def given_forces(self) -> float:
+        """1-norm of loads, and of forces on the body's scalars (force); collective."""
         owned = self.problem.spaces.owned_nodes
         load, known = self.problem.load, self._load_norm
         if known is None or known[0] is not load:  # another load is another array
@@ -202,7 +192,7 @@ class System(ABC):
             self._load_norm = known
         asked = np.array([scalar.force for scalar in self.problem.body_scalars])
         on_scalars = np.maximum(np.abs(asked), np.abs(self.scalar_forces)).sum()
-        return known[1] + float(on_scalars) + self._contact_norm
+        return known[1] + float(on_scalars)
 
     @property
     def scalars(self) -> int:
@@ -290,3 +280,35 @@ class System(ABC):
         """
         pairs = zip(self.problem.unknowns, values, strict=True)
         return np.array([u.imbalance(float(value), self.pushed(u, forces)) for u, value in pairs])
+
+
+# Of the largest row of motions, below which a row tells of no further motion.
+_TELLS = 1e-6
+
+
+def free_motions(problem: Problem) -> list[Array]:
+    """Rigid motions of bodies that only contact resists; collective.
+
+    There are none where inertia resists every motion.
+
+    Args:
+        problem: The problem, with its supports.
+
+    Returns:
+        Nodal displacements in each motion, (nodes, components).
+    """
+    if problem.inertia.moves:
+        return []
+    motions = RigidMotions(problem)
+    if motions.body_is_held:
+        return []
+    return [motions.displacement(one) for one in np.eye(motions.count)]
+
+
+def sprung(motions: Array) -> Integers:
+    """Rows of motions (rows, motions) which together tell all of them apart."""
+    if motions.size == 0:
+        return np.zeros(0, dtype=np.int64)
+    upper, order = qr(motions.T, mode="r", pivoting=True)
+    sizes = np.abs(upper.diagonal())
+    return np.asarray(order[: int((sizes > _TELLS * sizes.max(initial=0.0)).sum())], dtype=np.int64)

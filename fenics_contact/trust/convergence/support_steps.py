@@ -46,10 +46,6 @@ class _Torn:
 def support_steps(problem: Problem, time: float) -> list[Step]:
     """Steps of the functions by which supports prescribe displacements; collective.
 
-    Args:
-        problem: The model.
-        time: Pseudo-time.
-
     Returns:
         Of each: the number of its support, where it is, (3,), and how large (length).
     """

@@ -29,13 +29,12 @@ from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.result import Check
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
-from fenics_contact.trust.checks.comparison import Place, nearer_to_failing, worst_of
+from fenics_contact.solve.systems.solution import Solution
+from fenics_contact.trust.comparison import Place, nearer_to_failing, worst_of
 from fenics_contact.trust.error_estimates.solving_again import (
+    Again,
     Measure,
     Quantities,
-    differences,
-    last_step_again,
 )
 
 # Depth between points, over itself and what pressure closes, at the most. Measured on obstacles of
@@ -190,24 +189,22 @@ def _sunk(problem: Problem, solution: Solution, number: int, share: float) -> Su
     )
 
 
-def unseen_depth_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
+def unseen_depth_errors(load_steps: LoadSteps, again: Again) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by depths between points; collective.
 
     Args:
         load_steps: At their end; all is there again afterwards.
-        measure: Quantities of a solution, called in its state; collective.
+        again: How the answer to the last one is found with something changed.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; 0 without such contacts.
         None where the answer with narrower gaps was not found.
     """
     assert load_steps.last is not None
-    solution = load_steps.last.solution
-    answer = measure(solution)
-    sunk = sunk_contacts(load_steps.problem, solution, _COUNTS)
+    sunk = sunk_contacts(load_steps.problem, load_steps.last.solution, _COUNTS)
     if not sunk:
-        return dict.fromkeys(answer, 0.0)
-    return differences(answer, _narrowed(load_steps, measure, sunk))
+        return dict.fromkeys(again.answer, 0.0)
+    return _narrowed(load_steps, again, sunk)
 
 
 def governed_by_depth(load_steps: LoadSteps) -> dict[int, Check]:
@@ -232,13 +229,11 @@ def governed_by_depth(load_steps: LoadSteps) -> dict[int, Check]:
     govern = [one for one in sunk if one.governing > LARGEST_UNSEEN]
     shares.update({one.number: 1.0 for one in govern})
     known = [one for one in govern if one.is_beside and not problem.inertia.moves]
-    measure = _forces_of(problem)
-    other = _narrowed(load_steps, measure, known) if known else None
-    if other is not None:
-        answer = measure(solution)
+    again = Again.of_last_step(load_steps, _forces_of(problem))
+    changes = _narrowed(load_steps, again, known) if known else None
+    if changes is not None:
         for one in known:
-            before, after = (float(np.sum(row[one.number])) for row in (answer, other))
-            change = abs(after - before)
+            before, change = float(np.sum(again.answer[one.number])), changes[one.number]
             of_force = change / (before + change) if change > 0 else 0.0
             shares[one.number] = max(of_force, one.depth / (one.depth + one.moved))
     return {
@@ -276,18 +271,20 @@ def _forces_of(problem: Problem) -> Measure:
     return measure
 
 
-def _narrowed(load_steps: LoadSteps, measure: Measure, sunk: list[Sunk]) -> Quantities | None:
-    """Quantities with gaps narrower by the depth beside it; collective."""
+def _narrowed(
+    load_steps: LoadSteps, again: Again, sunk: list[Sunk]
+) -> dict[Hashable, float] | None:
+    """Changes of quantities by gaps narrower by the depth beside it; collective."""
     before = [one.contact.kinematics.gap for one in sunk]
     time = load_steps.time
 
-    def narrow(problem: Problem) -> None:
+    def narrow(share: float, problem: Problem) -> None:
         problem.set_time(time)
         for one, gap in zip(sunk, before, strict=True):
-            one.contact.set_gap(gap - one.narrower)
+            one.contact.set_gap(gap - share * one.narrower)
 
     try:
-        return last_step_again(load_steps, measure, narrow)
+        return again.effects(narrow)
     finally:
         for one, gap in zip(sunk, before, strict=True):
             one.contact.set_gap(gap)

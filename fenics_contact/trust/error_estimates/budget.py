@@ -108,11 +108,7 @@ class ErrorBudget:
         return self.contacts[number] if self.contacts else {}
 
     def of_supports(self, supports: list[SupportRecord]) -> list[SupportRecord]:
-        """``supports`` of ``result.json``, with ``errors`` where there are any.
-
-        Args:
-            supports: Without.
-        """
+        """``supports`` of ``result.json``, with ``errors`` where there are any."""
         if not self.supports:
             return supports
         rows = zip(supports, self.supports, strict=True)
@@ -130,11 +126,7 @@ class ErrorBudget:
         }
 
     def of_scalars(self, records: Mapping[str, ScalarRecord]) -> dict[str, ScalarRecord]:
-        """Records of scalar unknowns of ``result.json``, with ``errors`` where there are any.
-
-        Args:
-            records: Without.
-        """
+        """Records of scalar unknowns of ``result.json``, with ``errors`` where there are any."""
         return {
             name: replace(record, errors=self.scalars.get(name, {}))
             for name, record in records.items()
@@ -151,12 +143,7 @@ def _by_scalar(rows: Mapping[Hashable, Row]) -> dict[str, dict[str, Row]]:
 
 
 def unknown_budget(scene: Scene, step: StepRecord) -> ErrorBudget:
-    """Return the budget of errors that could not be estimated: no quantity has a bar.
-
-    Args:
-        scene: That was solved.
-        step: The last load step.
-    """
+    """Return the budget of errors that could not be estimated: no quantity has a bar."""
     if scene.solver.errors == "none":
         return ErrorBudget()
     row: Row = dict.fromkeys((*SOURCES, "total"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from fenics_contact.common.failures import attempt
@@ -14,13 +14,19 @@ from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.trust.error_estimates.held_back import TOO_STIFF
+from fenics_contact.trust.error_estimates.linear_change import (
+    NO_STICK,
+    LinearChange,
+    LinearHistory,
+    without_stick,
+)
 from fenics_contact.trust.error_estimates.load_steps import (
     CoarseHistory,
     between_turns,
     step_errors,
 )
 from fenics_contact.trust.error_estimates.measured import (
+    TOO_STIFF,
     Measured,
     OfCycles,
     recorded,
@@ -45,12 +51,31 @@ _WORDS = {
     "domain": "the piece of the half-space",
 }
 SOURCES = tuple(_WORDS)
+# How much work the estimate of each is, about, for who watches.
+_WORK = {
+    "mesh": 8,
+    "penalty": 1,
+    "regularisation": 1,
+    "iteration": 1,
+    "step": 1,
+    "domain": 1,
+}
 # Histories of at most so many steps are solved again without being asked for.
 _SHORT = 4
 
 # Newton steps that the estimate of a source may take over those of the answer: it solves four to
 # ten times for something else, mostly in fewer steps. An answer in few steps counts as one in more.
 _AT_MOST, _FEW = 20, 10
+# The same where each costs much and the estimate was not asked for.
+_AT_MOST_UNASKED = 0.25
+# How often all load steps are taken by their tangents for the errors that are found along them,
+# each time about as a Newton step. Together no more than the answer took, or than a few.
+_PATHS, _ANYWAY = 6, 24
+
+_NO_STEPS = (
+    "The error by the load steps was not estimated, as the loads turn at both ends of a load step, "
+    'or surfaces wear or slide far: solver.errors = "all" solves the whole history again.'
+)
 
 # None where a source was not estimated.
 Errors = Mapping[Hashable, float] | None
@@ -73,13 +98,19 @@ class Estimates:
         scene = self._problem.scene
         self._wants_all = scene.solver.errors == "all" or scene.accuracy is not None
         self._is_cheap, self._solver = system.repeats_cheaply, system.name
+        self._can_repeat = system.repeats_history_cheaply
         self._notes: list[str] = []
         self.local: LocalErrors | None = None
         self._parts = between_turns(self._times, knots(scene))
         self._of_cycles = OfCycles(cycles_of(scene), self._times)
         self._own_steps = int(sum(step["newton_iterations"] for step in steps))
-        self._most = _AT_MOST * max(self._own_steps, _FEW)
-        self._takes_all = self._wants_all or len(self._times) <= _SHORT
+        is_asked = self._wants_all or self._can_repeat or not self._is_cheap
+        self._more = "" if is_asked else '; solver.errors = "all" takes more'
+        share = _AT_MOST if is_asked else _AT_MOST_UNASKED
+        self._most = max(int(share * max(self._own_steps, _FEW)), 1)
+        is_short = len(self._times) <= _SHORT and self._can_repeat
+        self._takes_all = self._wants_all or is_short
+        self._is_linear = self._is_cheap and not (self._can_repeat or self._wants_all)
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
         """Return the errors of all sources, {} for one that the scene lacks; and notes."""
@@ -99,6 +130,7 @@ class Estimates:
         }[source]
 
     def _of(self, source: str) -> Errors:
+        """Return the errors of a source, {} for one that the scene lacks; collective."""
         if not self._has(source):
             return {}
         why = self._not_here(source)
@@ -116,7 +148,7 @@ class Estimates:
             "step": self._of_steps,
             "domain": self._of_domain,
         }
-        doing(f"{ESTIMATING} by {_WORDS[source]}")
+        _tell(source, 0.0)
         missing = f"The error by {_WORDS[source]} was not estimated"
         comm, before = self._problem.comm, len(self._notes)
         with self._load_steps.newton.budget.of(self._most, self._used_up):
@@ -131,6 +163,7 @@ class Estimates:
     def _used_up(self) -> str:
         return (
             f"it takes more than {self._most} Newton steps, and the answer took {self._own_steps}"
+            f"{self._more}"
         )
 
     def _not_here(self, source: str) -> str | None:
@@ -149,7 +182,9 @@ class Estimates:
         from near by are had; others take many, or begin anew.
         """
         takes_few = self._takes_all or self._takes_fewer
-        if self._takes_history(source) and not (self._is_cheap and takes_few):
+        if self._is_linear:
+            return self._too_long(source)
+        if self._takes_history(source) and not (self._can_repeat and takes_few):
             return (
                 "Errors by penalty, regularisation and load steps were not estimated, as friction "
                 'remembers its path: solver.errors = "all" solves the whole history again.'
@@ -161,10 +196,29 @@ class Estimates:
             )
         return None
 
+    def _too_long(self, source: str) -> str | None:
+        """Why a source is not estimated by tangents alone; None for one that is.
+
+        Those that are found along all load steps take each of these several times.
+        """
+        steps = _PATHS * len(self._times)
+        if source == "step" and not self._linear_history.tells_steps:
+            return _NO_STEPS
+        if source not in ("mesh", "step") or not self._follows_path:
+            return None
+        if steps <= max(self._own_steps, _ANYWAY):
+            return None
+        return (
+            "Errors by the mesh and the load steps were not estimated, which takes about as much "
+            f"as {steps} Newton steps, and the answer took {self._own_steps}: solver.errors = "
+            '"all" solves the whole history again.'
+        )
+
     @property
     def _takes_fewer(self) -> bool:
         """Whether fewer load steps tell at little cost; scalars of a body begin at their starts."""
-        return CoarseHistory.pays(self._parts) and not self._problem.body_scalars
+        pays = self._can_repeat and CoarseHistory.pays(self._parts)
+        return pays and not self._problem.body_scalars
 
     @cached_property
     def _coarse(self) -> CoarseHistory:
@@ -172,11 +226,25 @@ class Estimates:
         return CoarseHistory(self._load_steps, self._measure, self._parts)
 
     @cached_property
+    def _linear(self) -> LinearChange:
+        """What changes do to the answer by its tangent."""
+        return LinearChange(self._load_steps, self._measure, len(self._times))
+
+    @cached_property
+    def _linear_history(self) -> LinearHistory:
+        """All load steps by the tangents at their ends."""
+        return LinearHistory(self._load_steps, self._measure, self._times)
+
+    @cached_property
     def _again(self) -> Again | None:
         """How the answer with something changed is found; None where it is not.
 
         Of what remembers its path from the start; in fewer load steps, where these are many.
         """
+        if self._is_linear:
+            # The length of a locked bolt is that of an earlier load step.
+            locks = any(one.is_locked for one in self._problem.body_scalars)
+            return self._linear_history.again if locks else self._linear.again
         if len(self._times) == 1 or not _remembers(self._problem):
             return Again.of_last_step(self._load_steps, self._measure)
         if self._takes_all:
@@ -195,6 +263,9 @@ class Estimates:
         return None if found is None else without_losses(found)
 
     def _of_steps(self) -> Errors:
+        if self._is_linear:
+            found = self._linear_history.step_errors()
+            return None if found is None else without_losses(found)
         if self._takes_all:
             return step_errors(self._load_steps, self._measure, self._parts)
         return self._coarse.step_errors()
@@ -203,17 +274,27 @@ class Estimates:
         assert self._load_steps.last is not None
         answer = self._measure(self._load_steps.last.solution)
         rows = [(step["load_factor"], recorded(step, answer)) for step in self._steps]
-        last = Again.of_last_step(self._load_steps, self._measure, roughly=True)
-        again = (self._again if self._takes_history("penalty") else None) or last
-        drawn = again if self._takes_all else last
-        calls = (self._load_steps, self._measure, rows, again, drawn, self._notes)
-        found, self.local = mesh_errors(*calls)
+        if self._is_linear:
+            single = self._linear.again
+            drawn = again = self._linear_history.again if self._follows_path else single
+            if again is None:
+                return None
+        else:
+            last = Again.of_last_step(self._load_steps, self._measure, roughly=True)
+            single = Again.of_last_step(self._load_steps, self._measure)
+            again = (self._again if self._takes_history("penalty") else None) or last
+            drawn = again if self._takes_all else last
+        calls = (self._load_steps, self._measure, rows, again, drawn, single, self._notes)
+        found, self.local = mesh_errors(*calls, partial(_tell, "mesh"))
         if found is not None:
             for key, error in self._shared().items():
                 if key in found:
                     found[key] += error
         if found is not None and again.walk is None:
             found = without_losses(found)
+        if found is not None and self._is_linear and self._problem.frictional:
+            found = without_stick(found)
+            self._notes.append(NO_STICK)
         is_told = TOO_STIFF in self._notes
         if found is not None and MAX_CONTACT_PRESSURE not in found and not is_told:
             self._notes.append(
@@ -239,8 +320,19 @@ class Estimates:
 
     def _takes_history(self, source: str) -> bool:
         """Whether an estimate takes all load steps again, not the last one alone."""
-        several = len(self._times) > 1 and _remembers(self._problem)
-        return source == "step" or (several and source in ("penalty", "regularisation"))
+        return source == "step" or (self._follows_path and source in ("penalty", "regularisation"))
+
+    @property
+    def _follows_path(self) -> bool:
+        """Whether what a change does depends on several load steps."""
+        return len(self._times) > 1 and _remembers(self._problem)
+
+
+def _tell(source: str, share: float) -> None:
+    """Say that the estimate of a source is being made, and what share of it is done."""
+    before = sum(_WORK[one] for one in SOURCES[: SOURCES.index(source)])
+    done = (before + share * _WORK[source]) / sum(_WORK.values())
+    doing(f"{ESTIMATING} by {_WORDS[source]}", done)
 
 
 def _remembers(problem: Problem) -> bool:

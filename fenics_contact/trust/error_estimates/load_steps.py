@@ -21,18 +21,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from fenics_contact.solve.coulomb.strategies import solve_step
-from fenics_contact.solve.load_steps.accepted_step import StepEnd
+from fenics_contact.solve.load_steps.accepted_step import AtEachStep, StepEnd, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.newton import Newton
+from fenics_contact.solve.strategies import solve_step
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,
     Change,
     Look,
     Measure,
     Quantities,
-    Visit,
     differences,
     seen,
     steps_again,
@@ -83,7 +82,7 @@ class CoarseHistory:
             self._displacement,
             lambda change, look: self._along(self._coarse, self._ends, change, look=look),
             every / own,
-            lambda visit: self._along(self._coarse, self._ends, visit=visit),
+            walk=lambda visit: self._along(self._coarse, self._ends, listener=AtEachStep(visit)),
         )
 
     def _keep(self, solution: Solution) -> None:
@@ -143,13 +142,13 @@ class CoarseHistory:
         near: Mapping[float, StepEnd],
         change: Change | None = None,
         kept: dict[float, StepEnd] | None = None,
-        visit: Visit | None = None,
+        listener: StepListener | None = None,
         look: Look | None = None,
     ) -> Quantities | None:
         """Quantities at the end of other load steps, which begin at known ends; collective."""
         times = [time for part in parts for time in part]
         path = _NearPath(times, near)
-        calls = (change, path.solve, kept, visit)
+        calls = (change, path.solve, kept, listener)
         return steps_again(self._load_steps, seen(self._measure, look), times, *calls)
 
 

@@ -1,7 +1,13 @@
-"""Quantities of an answer, for what is estimated of them, and what cycles of loads lose.
+"""Quantities of an answer, for what is estimated of them, and how much too stiff its mesh is.
 
-Errors of what cycles lose, where a source of errors is looked at in one load step alone. What that
+Errors of what cycles lose, where a source of errors is looked at in one load step alone: what that
 does to the friction work, it does at each turn of a cycle, or in each of its load steps.
+
+A thin body shears where its elements cannot bend: it is much too stiff under given forces, and its
+local errors are as large as the solution. Forces that stand for these move it by the share s of
+what it has moved, a(δ, u) / a(u, u), which is only the first step to the answer of the space with
+the bubbles. Along the solution's own shape each further step is that share of the one before, so
+that all of them make 1/(1 - s) of the first one, as Ritz's method with that shape says.
 """
 
 from __future__ import annotations
@@ -11,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.evaluate.internal_forces import InternalForces
@@ -25,12 +33,12 @@ from fenics_contact.results.quantities import (
     scalars_of_step,
 )
 from fenics_contact.results.records.contacts import SupportRecord
-from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.scene.core_scene import LoadCycles
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.quantity_names import LossOfCycle, Reaction
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 # Rows of a body at the most: with more it takes less to find what is inside it in each answer.
 _MOST_ROWS = 24
@@ -64,7 +72,8 @@ class Measured:
         if follows or not isinstance(system, CondensedSystem) or _rows(problem) > _MOST_ROWS:
             return BulkForces(problem, solution)
         scalars = system.scalar_values(system.state)
-        return CondensedForces(problem, solution, system.body, system.position(), scalars)
+        moved = system.contact_displacements()
+        return CondensedForces(problem, solution, system.body, moved, scalars)
 
 
 def _rows(problem: Problem) -> int:
@@ -137,11 +146,7 @@ def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
 
 
 def known_quantities(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityValue]:
-    """Return the quantities that have a true value, and a value here.
-
-    Args:
-        quantities: By their names.
-    """
+    """Return the quantities that have a true value, and a value here."""
     return {
         name: quantities[name]
         for name in table.with_true_value()
@@ -165,16 +170,12 @@ class OfCycles:
         times: Pseudo-times of all load steps.
     """
 
-    def __init__(self, cycles: Cycles | None, times: Sequence[float]) -> None:
+    def __init__(self, cycles: LoadCycles | None, times: Sequence[float]) -> None:
         period = 0.0 if cycles is None else cycles.repetition.period
         self._steps = sum(time > times[-1] - period * (1 - 1e-9) for time in times)
 
     def of_ends(self, errors: Errors) -> dict[Hashable, float]:
-        """Where edges, or peaks, are at the end of a load step.
-
-        Args:
-            errors: Of all quantities.
-        """
+        """Where edges, or peaks, are at the end of a load step."""
         return _with_losses(errors, _ENDS)
 
     def of_steps(self, errors: Errors) -> dict[Hashable, float]:
@@ -205,3 +206,71 @@ def _with_losses(errors: Errors, factor: float) -> dict[Hashable, float]:
 def without_losses(errors: Errors) -> dict[Hashable, float]:
     """Without those of cycles: a load step alone tells nothing of them."""
     return {key: error for key, error in errors.items() if not isinstance(key, LossOfCycle)}
+
+
+TOO_STIFF = (
+    "What the mesh changes has no error bar: the mesh makes more of the stiffness than the bodies, "
+    "as where thin parts bend in few cells of degree 1. Take degree 2, or more cells across what "
+    "is thin."
+)
+# The mesh then makes half of the stiffness: what is estimated by small errors does not hold.
+_MOST = 0.5
+# Of the largest product of forces and displacements at a node: energy of a body that only moves.
+_NONE = 1e-9
+
+
+# Of its size: what the first step changes a quantity by that statics alone decide.
+_DECIDED = 1e-6
+
+
+class HeldBack:
+    """Share of a solution's energy due to its mesh, by forces that represent local errors.
+
+    Args:
+        problem: The model.
+        solution: Its solution.
+        before: Displacement that these forces change, (nodes, components) (length).
+        part: Of these forces, what is looked at.
+
+    Attributes:
+        share: Of the stiffness, along the solution's own shape, what the mesh makes.
+    """
+
+    def __init__(
+        self, problem: Problem, solution: Solution, before: Array, part: float = 1.0
+    ) -> None:
+        self._comm, self._before, self._part = problem.comm, before, part
+        self._owned = slice(0, problem.spaces.owned_nodes)
+        self._force = solution.internal_force[self._owned]
+        products = self._force * solution.displacement[self._owned]
+        energy, sizes = total(self._comm, np.array([products.sum(), np.abs(products).sum()]))
+        self._energy = energy if energy > _NONE * sizes else np.inf
+        self.share = 0.0
+
+    def look(self, changed: Solution) -> None:
+        """Find the share from the solution under these forces as well; collective."""
+        moved = (changed.displacement - self._before)[self._owned]
+        done = total(self._comm, float(np.sum(self._force * moved)))
+        self.share = done / (self._part * self._energy)
+
+    @property
+    def is_too_stiff(self) -> bool:
+        """Whether the mesh makes more of the stiffness than the body."""
+        return self.share > _MOST
+
+    def hides(self, change: float, value: QuantityValue) -> bool:
+        """Whether it is too stiff to tell the error of a quantity.
+
+        Args:
+            change: What local errors change it by.
+            value: It itself.
+        """
+        return self.is_too_stiff and change > _DECIDED * float(np.linalg.norm(value))
+
+    @property
+    def all_steps(self) -> float:
+        """Sum of all steps to the answer over the first one.
+
+        Of a mesh that is too stiff no more is said than of one that nearly is.
+        """
+        return 1 / (1 - min(max(self.share, 0.0), _MOST))

@@ -35,7 +35,7 @@ from fenics_contact.quantities.names import (
     STRAIN_ENERGY,
 )
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,
     Measure,
@@ -51,6 +51,8 @@ logger = logging.getLogger(__name__)
 # The part of ε₁ and ε that is left: enough less for what is left of the error to be small, also
 # beyond the leading order, and not so little that round-off of forces, gap over ε₁, shows.
 _LEFT = 1 / 32
+# What is beyond the leading order, where no more than that is found.
+_BEYOND = 1.25
 # Share from which an error is large; of these quantities, over the second of each pair, those of
 # each contact and those of all.
 _LARGE = 1e-2
@@ -121,7 +123,11 @@ def iteration_errors(load_steps: LoadSteps, measure: Measure) -> Errors | None:
 def _parameter_errors(
     load_steps: LoadSteps, again: Again, reduce: Reduce, factor: float = 1.0
 ) -> Errors | None:
-    found = None
+    found: Errors | None = None
+    if again.share < 1:
+        by_share = partial(_by_share, reduce)
+        leading = again.effects(by_share, factor=_BEYOND * again.stands_for)
+        return None if leading is None else _in_series(leading, again.answer)
     for left in (_LEFT, _LEFT**2):
         other = again.changed(partial(reduce, left), None)
         if other is None:
@@ -131,6 +137,28 @@ def _parameter_errors(
         if found is None or _all_small(found, again.answer, len(load_steps.problem.contacts)):
             break
     return found
+
+
+def _in_series(leading: Errors, answer: Quantities) -> Errors:
+    """Return errors from those at leading order, as where a penalty is a spring in series.
+
+    A force Q = Q₀/(1 + c ε) is off by e/(1 − e/Q), e being its error at leading order; of such as
+    are half of the quantity no more than twice is known.
+
+    Args:
+        leading: By quantity.
+        answer: Likewise.
+    """
+    found: Errors = {}
+    for key, error in leading.items():
+        size = float(np.linalg.norm(answer[key]))
+        found[key] = error / (1 - min(error / size, 0.5)) if size > 0 else error
+    return found
+
+
+def _by_share(reduce: Reduce, share: float, problem: Problem) -> None:
+    """Take a share of a parameter off."""
+    reduce(1 - share, problem)
 
 
 def _all_small(found: Errors, answer: Quantities, contacts: int) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -16,12 +17,12 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.table import QuantityValue
-from fenics_contact.solve.coulomb.strategies import solve_step
-from fenics_contact.solve.load_steps.accepted_step import AtEachStep, StepEnd
+from fenics_contact.solve.load_steps.accepted_step import AtEachStep, StepEnd, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_tries import Warm
-from fenics_contact.solve.newton.newton import Newton
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.newton import Newton
+from fenics_contact.solve.strategies import solve_step
+from fenics_contact.solve.systems.solution import Solution
 
 logger = logging.getLogger(__name__)
 
@@ -33,6 +34,8 @@ _ENOUGH, _ROUGHEST = 1e-2, 1e-4
 Quantities = Mapping[Hashable, QuantityValue]
 Measure = Callable[[Solution], Quantities]
 Change = Callable[[Problem], None]
+# A change of which a share is made.
+ChangeByShare = Callable[[float, Problem], None]
 # Called with an answer, in its state.
 Look = Callable[[Solution], None]
 # Called with pseudo-time and solution of each load step that is taken again, in its state.
@@ -50,6 +53,7 @@ class Again:
             anything. None where it is not found; collective.
         stands_for: Load steps of the history over those that are taken again: of each of these a
             point creeps anew.
+        share: Of a change, what is made of it; what all of it does is in proportion.
         walk: Takes the load steps again without a change; None of the last one alone; collective.
     """
 
@@ -57,6 +61,7 @@ class Again:
     displacement: Array
     changed: Callable[[Change, Look | None], Quantities | None]
     stands_for: float = 1.0
+    share: float = 1.0
     walk: Callable[[Visit], object] | None = None
 
     @classmethod
@@ -77,6 +82,22 @@ class Again:
             ),
         )
 
+    def effects(
+        self, change: ChangeByShare, look: Look | None = None, factor: float = 1.0
+    ) -> dict[Hashable, float] | None:
+        """How far a change moves quantities, of vectors the length of the difference; collective.
+
+        Args:
+            change: Made by the share of it that it is called with.
+            look: Is called with the answer, in its state; None for nothing.
+            factor: To multiply with.
+
+        Returns:
+            By key; None where the answer with the change was not found.
+        """
+        other = self.changed(partial(change, self.share), look)
+        return differences(self.answer, other, factor / self.share)
+
     @classmethod
     def of_steps(cls, load_steps: LoadSteps, measure: Measure, times: Sequence[float]) -> Again:
         """All load steps from the start.
@@ -91,7 +112,7 @@ class Again:
             answer,
             _answer(load_steps).displacement,
             lambda change, look: steps_again(load_steps, seen(measure, look), times, change),
-            walk=lambda visit: steps_again(load_steps, measure, times, visit=visit),
+            walk=lambda visit: steps_again(load_steps, measure, times, listener=AtEachStep(visit)),
         )
 
 
@@ -200,7 +221,7 @@ def steps_again(
     change: Change | None = None,
     near: Warm | None = None,
     ends: dict[float, StepEnd] | None = None,
-    visit: Visit | None = None,
+    listener: StepListener | None = None,
 ) -> Quantities | None:
     """Solve all load steps again from the start, each with the ε that it needs; collective.
 
@@ -211,7 +232,7 @@ def steps_again(
         change: As of ``last_step_again``, called in the state of the start.
         near: Solves a step from an answer near by, as of ``LoadSteps.begin_near``.
         ends: Where the ends of the steps are to be kept, if they are.
-        visit: Called at the end of each step.
+        listener: Is told of each step; None for nobody.
 
     Returns:
         Quantities of the last step; None where a step does not converge, or has no loads.
@@ -222,7 +243,7 @@ def steps_again(
         again = load_steps.afresh(times, near, ends)
         if change is not None:
             change(load_steps.problem)
-        return measure(again.solve(*([] if visit is None else [AtEachStep(visit)])))
+        return measure(again.solve(*([] if listener is None else [listener])))
     except (NotConvergedError, InputError) as error:  # a load's function may know no other times
         logger.debug("  the load steps again: %s", error)
         return None
@@ -294,11 +315,7 @@ def _answer(load_steps: LoadSteps) -> Solution:
 
 
 def restore(load_steps: LoadSteps) -> None:
-    """Have all as it was in the answer, whatever was changed of it; collective.
-
-    Args:
-        load_steps: At their end.
-    """
+    """Have all as it was in the answer, whatever was changed of it; collective."""
     for contact in load_steps.problem.contacts:
         contact.normal.penalty.soften(1.0)
         contact.friction.regularisation.scale(1.0)

@@ -16,7 +16,7 @@ from fenics_contact.common.parallel import on_root
 from fenics_contact.common.terminal import Terminal
 from fenics_contact.verification.command import FAILED, chosen, require_folder
 from fenics_contact.verification.error_bars import CASES
-from fenics_contact.verification.error_bars import table as bar_table
+from fenics_contact.verification.error_bars import runs as bar_table
 from fenics_contact.verification.error_bars.case import SOURCES, BarCase, Row
 from fenics_contact.verification.error_bars.runs import (
     BarOutcome,

@@ -13,7 +13,8 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Point, Support
+from fenics_contact.scene.loading.conditions import Point
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.verification.error_bars.case import (

@@ -11,7 +11,7 @@ from fenics_contact.common.program import mesh_file
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Support
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import HalfSpace, Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path

@@ -5,14 +5,14 @@ ends with tuples of cases; the one below lists them all.
 """
 
 from fenics_contact.verification.hard.case import HardCase, HardOutcome, Trials
-from fenics_contact.verification.hard.cases.coefficients import BRANCHES_CASES, COEFFICIENTS_CASES
-from fenics_contact.verification.hard.cases.corners import CORNERS_CASES, INCOMPRESSIBLE_CASES
-from fenics_contact.verification.hard.cases.limit_loads import LIMIT_LOADS_CASES
-from fenics_contact.verification.hard.cases.materials import MATERIALS_CASES
-from fenics_contact.verification.hard.cases.meshes import MESHES_CASES
-from fenics_contact.verification.hard.cases.pairs import PAIRS_CASES
-from fenics_contact.verification.hard.cases.parameters import PARAMETERS_CASES, UNITS_CASES
-from fenics_contact.verification.hard.cases.separation import SEPARATION_CASES
+from fenics_contact.verification.hard.coefficients import BRANCHES_CASES, COEFFICIENTS_CASES
+from fenics_contact.verification.hard.corners import CORNERS_CASES, INCOMPRESSIBLE_CASES
+from fenics_contact.verification.hard.limit_loads import LIMIT_LOADS_CASES
+from fenics_contact.verification.hard.materials import MATERIALS_CASES
+from fenics_contact.verification.hard.meshes import MESHES_CASES
+from fenics_contact.verification.hard.pairs import PAIRS_CASES
+from fenics_contact.verification.hard.parameters import PARAMETERS_CASES, UNITS_CASES
+from fenics_contact.verification.hard.separation import SEPARATION_CASES
 
 CASES: tuple[HardCase, ...] = (
     *INCOMPRESSIBLE_CASES,

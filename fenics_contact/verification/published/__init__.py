@@ -1,1 +1,1 @@
-"""Analytic and published cases, the paper's examples 1 to 4 among them."""
+"""Analytic and published cases: the paper's examples 1 to 4, laws of friction, wear, and motion."""

@@ -23,7 +23,8 @@ from fenics_contact.analytic.two_bodies import Tube, pressure
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Preload, Support
+from fenics_contact.scene.loading.conditions import Preload
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path

@@ -22,7 +22,8 @@ from fenics_contact.common.program import mesh_file
 from fenics_contact.results.result import Result
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Load, Support
+from fenics_contact.scene.loading.conditions import Load
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path

@@ -11,7 +11,8 @@ from fenics_contact.analytic import contact as formulas
 from fenics_contact.common.program import mesh_file
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Load, Support
+from fenics_contact.scene.loading.conditions import Load
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import HalfSpace, Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
 from fenics_contact.verification.case import Case, Finding, of_quantity, radius_of_area, solved

@@ -24,7 +24,7 @@ from fenics_contact.common.program import mesh_file
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Support
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene, SolverSettings
 from fenics_contact.simulation.scene_run import Run

@@ -21,7 +21,8 @@ from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.result import Result
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.loading.conditions import Load, Support
+from fenics_contact.scene.loading.conditions import Load
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import HalfSpace, Obstacle
 from fenics_contact.scene.scene import Discretisation, MeshSource, Scene, SolverSettings, Steps
 from fenics_contact.scene.values import Path
@@ -122,7 +123,7 @@ _POISSONS_RATIO = 0.49
 _SHEAR_MODULUS = YOUNGS_MODULUS / (2 * (1 + _POISSONS_RATIO))
 _COEFFICIENT = 0.3
 _RADIUS = 50.0
-HERTZ = formulas.paraboloid(
+SPHERE = formulas.paraboloid(
     formulas.plane_strain_modulus(YOUNGS_MODULUS, _POISSONS_RATIO), _RADIUS, 1 / _RADIUS
 )
 _MESH = {"fine": 1.25, "size": 0.25, "extent": 10.0, "cells_outside": 5}
@@ -131,17 +132,17 @@ _QUICK_MESH = {"fine": 1.5, "size": 0.375, "extent": 10.0, "cells_outside": 3}
 
 def shift(share: float) -> float:
     """δ at a share Q/μP of the shear that makes all of the contact slip (length)."""
-    return formulas.partial_slip_shift(HERTZ, _COEFFICIENT, share, _SHEAR_MODULUS, _POISSONS_RATIO)
+    return formulas.partial_slip_shift(SPHERE, _COEFFICIENT, share, _SHEAR_MODULUS, _POISSONS_RATIO)
 
 
 def shear_share(quantities: Quantities) -> float:
     """Q/μP of a load step, of the half body."""
-    return float(2 * abs(quantities["friction_force"][0]) / (_COEFFICIENT * HERTZ.force))
+    return float(2 * abs(quantities["friction_force"][0]) / (_COEFFICIENT * SPHERE.force))
 
 
 def loss(share: float) -> float:
     """What a cycle between ± this share of μP dissipates (energy)."""
-    return formulas.partial_slip_loss(HERTZ, _COEFFICIENT, share, _SHEAR_MODULUS, _POISSONS_RATIO)
+    return formulas.partial_slip_loss(SPHERE, _COEFFICIENT, share, _SHEAR_MODULUS, _POISSONS_RATIO)
 
 
 def sheared_scene(*shares: float, **mesh: float) -> Scene:
@@ -151,7 +152,7 @@ def sheared_scene(*shares: float, **mesh: float) -> Scene:
     obstacle = Obstacle(
         "paraboloid",
         radius=_RADIUS,
-        force=HERTZ.force / 2,
+        force=SPHERE.force / 2,
         displacement=(shifts[-1], 0, 0),
         displacement_path=Path(time=ends, factor=(0.0, *(by / shifts[-1] for by in shifts))),
     )
@@ -200,7 +201,7 @@ def _slope(share: float) -> Finding:
     result = solved(replace(scene, solver=solver, derivatives=asked))
     found = result.derivatives["friction_force_x"][key].value
     left = (1 - share) ** (1 / 3)
-    slope = HERTZ.force * (share - 1.5 * left * (1 - left**2))
+    slope = SPHERE.force * (share - 1.5 * left * (1 - left**2))
     value = float("nan") if found is None else 2 * abs(found)
     return Finding(f"friction by its coefficient, Q = {share:.2f} μP", value, slope, 0.02)
 

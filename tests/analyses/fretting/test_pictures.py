@@ -3,16 +3,19 @@
 import numpy as np
 import pytest
 
-from fenics_contact import FatigueLimits, Fretting, InputError, Run
-from fenics_contact.analyses.fretting.pictures import draw_fretting
-from fenics_contact.analyses.fretting.places_file import FrettingTable
+from fenics_contact import FatigueLimits, Fretting, Run
+from fenics_contact.analyses.fretting.page import FrettingTable, draw_fretting
 from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.page.page import Content, page
 from fenics_contact.results.contact_points import ContactTable
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.simulation.output.run_folder import write
 from tests.analyses.fretting.test_fretting import LINE, block, body
+from tests.messages import refused
+from tests.report.test_gallery import coarse
+
+assert coarse  # a fixture
 
 pytestmark = pytest.mark.serial
 
@@ -47,9 +50,15 @@ def test_runs_without_fretting_have_no_table(tmp_path) -> None:
     assert FrettingTable.read(tmp_path / "fretting.csv") is None
 
 
-@pytest.mark.parametrize("text", ["body,contact,x\nb,,1\n", "body,contact,x,y,z,swt\nb,,1,2,3,?\n"])
-def test_damaged_tables_are_refused(text, tmp_path) -> None:
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("body,contact,x\nb,,1\n", "fretting_table_lacks_y"),
+        ("body,contact,x,y,z,swt\nb,,1,2,3,?\n", "fretting_table_has_a_word"),
+    ],
+)
+def test_damaged_tables_are_refused(text, said, tmp_path) -> None:
     path = tmp_path / "fretting.csv"
     path.write_text(text)
-    with pytest.raises(InputError, match=r"fretting\.csv: damaged: "):
+    with refused(said):
         FrettingTable.read(path)

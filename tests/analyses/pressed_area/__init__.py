@@ -1,7 +1,7 @@
 """An analysis that is not the program's, all in one folder: which area carries a high pressure."""
 
 from fenics_contact.analyses import registry
-from fenics_contact.analyses.analysis import Analysis
+from fenics_contact.analyses.registry import Analysis
 from fenics_contact.scene.reference import add_key, remove_key
 from fenics_contact.scene.scene import Scene
 from tests.analyses.pressed_area.table import PRESSED_AREA

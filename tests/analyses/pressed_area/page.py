@@ -1,6 +1,6 @@
 """The area on the page of a run."""
 
-from fenics_contact.report.page.analysis_page import AnalysisPage, AnalysisSection
+from fenics_contact.report.page.page import AnalysisPage, AnalysisSection
 from tests.analyses.pressed_area.words import area_rows
 
 

@@ -7,16 +7,17 @@ import json
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError, Run, Steps, load_scene, main, run
+from fenics_contact import Run, Steps, load_scene, main, run
 from fenics_contact.analyses import registry
 from fenics_contact.common.errors import SceneError
 from fenics_contact.mesh.loading import load_body
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.scene import reference
 from fenics_contact.scene.schema import scene_schema
 from fenics_contact.scene.writing import scene_text
 from tests.analyses import pressed_area
 from tests.analyses.pressed_area.table import PressedArea
+from tests.messages import refused
 from tests.report.page.pages import page_of
 from tests.scenes import ROOT
 from tests.simulation.restart.test_state_file import resumed, stopped_after
@@ -123,7 +124,7 @@ def test_a_run_goes_on_with_it_and_with_another_pressure(scene, tmp_path):
         dataclasses.replace(asked, pressed_area=PressedArea(225)), body, tmp_path / "state"
     )
     assert abs(areas(other)[1.0] - 2) < 0.25
-    with pytest.raises(InputError, match="contact"):
+    with refused("resume_with_another_contact"):
         contact = dataclasses.replace(asked.contact[0], pressure=1.0)
         resumed(dataclasses.replace(asked, contact=(contact,)), body, tmp_path / "state")
 
@@ -148,19 +149,19 @@ def test_editors_the_reference_and_files_know_it(scene):
 
 
 def test_what_it_does_not_take_is_refused_in_a_sentence(scene):
-    with pytest.raises(InputError, match=r"pressed_area\.above = -1: .*greater than 0"):
+    with refused("pressed_area_above_is_negative"):
         load_scene(scene("pressed_area = { above = -1 }"))
-    with pytest.raises(InputError, match=r"unknown key 'pressed_area\.over'"):
+    with refused("unknown_key_of_pressed_area"):
         load_scene(scene("pressed_area = { over = 1 }"))
     asked = load_scene(scene())
-    with pytest.raises(SceneError, match="pressed_area: there is no contact"):
+    with refused("pressed_area_without_contact", SceneError):
         dataclasses.replace(asked, contact=(), steps=Steps())
 
 
 def test_it_is_unknown_once_it_is_taken_out(scene):
     pressed_area.unregister()
     try:
-        with pytest.raises(InputError, match="unknown key 'pressed_area'"):
+        with refused("pressed_area_is_unknown"):
             load_scene(scene())
     finally:
         pressed_area.register()

@@ -1,6 +1,6 @@
-"""The area on the terminal."""
+"""The area on the terminal and in a file."""
 
-from fenics_contact.results.words.tables import AnalysisWords, headed
+from fenics_contact.results.tables import AnalysisWords, headed
 
 
 def area_rows(result):
@@ -16,6 +16,10 @@ class _Words(AnalysisWords):
 
     def tables(self, result):
         return [area_rows(result)]
+
+    def files(self, result):
+        steps = result.further["pressed_area"]["steps"]
+        return {"pressed_area.csv": [["time", "area"], *([str(x) for x in step] for step in steps)]}
 
 
 WORDS = _Words()

@@ -3,8 +3,8 @@
 import pytest
 from mpi4py import MPI
 
-from fenics_contact.analyses.stability import curves
-from fenics_contact.analyses.stability.curves import draw_stability
+from fenics_contact.analyses.stability import page as curves
+from fenics_contact.analyses.stability.page import draw_stability
 from fenics_contact.analyses.stability.words import stability_words
 from tests.records import made_run
 

@@ -3,8 +3,8 @@
 import pytest
 from mpi4py import MPI
 
-from fenics_contact.analyses.vibration import damping_curves
-from fenics_contact.analyses.vibration.damping_curves import draw_damping
+from fenics_contact.analyses.vibration import page as damping_curves
+from fenics_contact.analyses.vibration.page import draw_damping
 from tests.records import made_run
 from tests.report.contacts.test_captions import cycled
 

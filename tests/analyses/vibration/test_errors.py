@@ -7,11 +7,11 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Damping, Run, SolverSettings
-from fenics_contact.analyses.vibration.errors import _rows
-from fenics_contact.analyses.vibration.files import damping_rows as rows_of_file
+from fenics_contact.analyses.vibration.task import _rows
+from fenics_contact.analyses.vibration.words import damping_file as rows_of_file
 from fenics_contact.analyses.vibration.words import damping_rows, mode_rows
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.vibration import bar_scene
+from fenics_contact.verification.published.vibration import bar_scene
 
 pytestmark = pytest.mark.errors
 

@@ -17,12 +17,12 @@ from fenics_contact import (
     Stability,
     Support,
 )
-from fenics_contact.analyses.stability.shapes import draw_squeal_shapes
-from fenics_contact.analyses.vibration.mode_pictures import draw_mode_film, draw_mode_shapes
+from fenics_contact.analyses.stability.page import draw_squeal_shapes
+from fenics_contact.analyses.vibration.page import draw_mode_film, draw_mode_shapes
 from fenics_contact.report.drawing.fields import read_modes
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.simulation.output.run_folder import write
-from fenics_contact.verification.sliding import sliding_block
+from fenics_contact.verification.published.sliding import sliding_block
 from tests.scenes import box_body
 
 pytest.importorskip("pyvista")
@@ -41,7 +41,7 @@ def solved(scene, body, folder):
     run = Run(scene, body=body)
     result = run.solve()
     write(run, result, folder)
-    assert len(result.modes) == 3
+    assert len(result.modes) == scene.modes.number
     return run, result.record("")
 
 
@@ -100,7 +100,8 @@ def test_what_grows_while_it_slides_has_two_moments(folder):
 
 def test_flat_modes_swing_in_a_film(folder):
     """There and back: halfway all is at rest, and the two ends are each other's mirror image."""
-    run, record = solved(FREE, box_body((8, 2), (2.0, 0.5)), folder)
+    scene = dataclasses.replace(FREE, modes=Modes(1))
+    run, record = solved(scene, box_body((8, 2), (2.0, 0.5)), folder)
     if run.problem.comm.rank > 0:
         return
     with style():

@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from fenics_contact import main
-from fenics_contact.cli.completion.scripts import script
+from fenics_contact.cli.completion import script
 from fenics_contact.cli.options import SHELLS, parsers
 from fenics_contact.common.program import templates
 

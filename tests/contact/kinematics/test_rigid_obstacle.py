@@ -7,8 +7,8 @@ from dolfinx import mesh
 from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Obstacle, Profile, Scene, Support, run
-from fenics_contact.common.errors import InputError
-from fenics_contact.contact.kinematics.rigid_obstacle import RigidObstacle
+from fenics_contact.contact.rigid_obstacle import RigidObstacle
+from tests.messages import refused
 from tests.scenes import box_body
 
 RANDOM = np.random.default_rng(7)
@@ -134,47 +134,47 @@ def test_what_faces_away_or_misses_is_never_met():
 @pytest.mark.parametrize(
     ("obstacle", "kinematics", "normals", "message"),
     [
-        (Obstacle("sphere", radius=1), "plane strain", UP, "plane strain model has plane, parab"),
-        (Obstacle("cylinder", radius=1), "axisymmetric", UP, "axisymmetric model has plane, para"),
-        (Obstacle("cylinder", radius=1), "3D", [[0, 0, 1]], "along: needed"),
+        (Obstacle("sphere", radius=1), "plane strain", UP, "no_sphere_in_plane_strain"),
+        (Obstacle("cylinder", radius=1), "axisymmetric", UP, "no_cylinder_in_axisymmetric_models"),
+        (Obstacle("cylinder", radius=1), "3D", [[0, 0, 1]], "along_is_needed_in_3d"),
         (
             Obstacle("cylinder", radius=1, along=(0, 1, 0), normal=(0, 0.3, -1)),
             "3D",
             [[0, 0, 1]],
-            "must be at a right angle to the normal",
+            "along_not_at_right_angle",
         ),
-        (Obstacle("plane", position=(1, 0)), "axisymmetric", UP, "must lie on the axis"),
-        (Obstacle("plane", normal=(0.1, -1)), "axisymmetric", UP, "neither tilted nor driven"),
-        (Obstacle(displacement=(0.1, 0)), "axisymmetric", UP, "neither tilted nor driven"),
-        (Obstacle(indentation=0.1), "axisymmetric", [[1, 0]], "neither tilted nor driven"),
-        (Obstacle("plane"), "plane strain", [[0, 1], [0.1, 1]], "normal is missing: the contact"),
-        (Obstacle(indentation=1), "plane strain", [[0, 1], [0.1, 1]], "normal is missing"),
-        (Obstacle(gap=lambda x: np.sqrt(x[0])), "plane strain", UP, "gap: its function fails"),
-        (Obstacle(gap=lambda x: x[5]), "plane strain", UP, "gap: its function fails"),
+        (Obstacle("plane", position=(1, 0)), "axisymmetric", UP, "position_off_the_axis"),
+        (Obstacle("plane", normal=(0.1, -1)), "axisymmetric", UP, "axisymmetric_obstacle_tilted"),
+        (Obstacle(displacement=(0.1, 0)), "axisymmetric", UP, "axisymmetric_obstacle_tilted"),
+        (Obstacle(indentation=0.1), "axisymmetric", [[1, 0]], "axisymmetric_obstacle_tilted"),
+        (Obstacle("plane"), "plane strain", [[0, 1], [0.1, 1]], "obstacle_needs_a_normal"),
+        (Obstacle(indentation=1), "plane strain", [[0, 1], [0.1, 1]], "obstacle_needs_a_normal"),
+        (Obstacle(gap=lambda x: np.sqrt(x[0])), "plane strain", UP, "gap_fails_with_numpy"),
+        (Obstacle(gap=lambda x: x[5]), "plane strain", UP, "gap_fails_with_index"),
     ],
 )
 def test_bad_obstacles_give_one_sentence(obstacle, kinematics, normals, message):
-    with pytest.raises(InputError, match=message):
+    with refused(message):
         gap_of(obstacle, [[1.0] * len(normals[0])] * len(normals), normals, kinematics)
 
 
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"shape": "plane", "gap": 0.0}, "either a shape or a gap"),
-        ({"indentation": 1, "force": 1}, "either an indentation or a force"),
-        ({"shape": "sphere"}, "radius is missing"),
-        ({"shape": "plane", "radius": 1}, "only a curved shape"),
-        ({"shape": "annular punch", "radius": 1}, "inner_radius belongs"),
-        ({"shape": "annular punch", "radius": 1, "inner_radius": 2}, "must be less"),
-        ({"shape": "sphere", "radius": 1, "along": (1, 0, 0)}, "only a 3D parabola or cylinder"),
-        ({"position": (0, 5)}, "position: only a shape or a gap has one"),
-        ({"normal": (0, 0)}, "normal must not be a zero vector"),
-        ({"force": -1}, "greater than or equal to 0"),
+        ({"shape": "plane", "gap": 0.0}, "shape_and_gap"),
+        ({"indentation": 1, "force": 1}, "indentation_and_force"),
+        ({"shape": "sphere"}, "sphere_without_radius"),
+        ({"shape": "plane", "radius": 1}, "radius_of_a_plane"),
+        ({"shape": "annular punch", "radius": 1}, "inner_radius_is_missing"),
+        ({"shape": "annular punch", "radius": 1, "inner_radius": 2}, "inner_radius_exceeds_radius"),
+        ({"shape": "sphere", "radius": 1, "along": (1, 0, 0)}, "along_of_a_sphere"),
+        ({"position": (0, 5)}, "position_without_shape"),
+        ({"normal": (0, 0)}, "normal_is_zero"),
+        ({"force": -1}, "obstacle_force_is_negative"),
     ],
 )
 def test_contradictions_are_refused_when_the_obstacle_is_made(keys, message):
-    with pytest.raises(ValueError, match=message):
+    with refused(message, ValueError):
         Obstacle(**keys)
 
 

@@ -8,7 +8,7 @@ from pydantic import Field
 from fenics_contact.contact.laws import normal
 from fenics_contact.contact.laws.normal.energy_law import EnergyLaw
 from fenics_contact.contact.laws.normal.spring import positive
-from fenics_contact.scene.laws.normal_laws import NormalLawTable
+from fenics_contact.scene.laws.law_tables import NormalLawTable
 from fenics_contact.scene.units.dimensions import LENGTH, STIFFNESS
 from fenics_contact.scene.values import Positive, scene_class
 

@@ -6,7 +6,7 @@ import ufl
 from pydantic import Field
 
 from fenics_contact.contact.laws.friction import rules
-from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
+from fenics_contact.contact.laws.friction.rule import FrictionRule
 from fenics_contact.scene.laws.law_tables import FrictionLawTable
 from fenics_contact.scene.units.dimensions import STRESS
 from fenics_contact.scene.values import Positive, scene_class

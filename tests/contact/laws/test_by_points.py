@@ -5,7 +5,7 @@ import pytest
 
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.contact.laws import normal
-from fenics_contact.contact.laws.normal.unilateral import Unilateral
+from fenics_contact.contact.laws.normal.elastic_laws import Unilateral
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix

@@ -1,7 +1,5 @@
 """A pressure by a formula: against closed forms, and against the law that says the same."""
 
-import re
-
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -9,6 +7,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Obstacle, Study, run
 from fenics_contact.common.errors import SceneError
 from tests.contact.laws.test_normal_compliance import block, pressed
+from tests.messages import refused
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -76,19 +75,19 @@ def test_a_study_changes_its_parameters_and_has_their_derivatives():
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        (law("c * d"), "'c' is not known; known here: d"),
-        (law("__import__('os').system('true')"), "a formula may have"),
-        (law("2 + d"), "pressure = '2 + d' is 2 at d = 0, not 0"),
-        (law("d", c=1.0), "parameters.c does not stand in the formula"),
-        (law("d^-1"), "is no finite number at d = 0"),
-        (law("9^9^9^9 * d"), "is no finite number"),
-        (law("sqrt(d, 1)"), "sqrt takes 1 values"),
-        (law("d)"), "is no formula"),
-        (law("-" * 200 + "d"), "nested too deep"),
-        (law("d" * 2000), "characters"),
-        ({"kind": "formulas"}, "one of 'normal compliance', 'formula'"),
+        (law("c * d"), "formula_with_unknown_name"),
+        (law("__import__('os').system('true')"), "formula_with_a_call"),
+        (law("2 + d"), "formula_not_zero_at_contact"),
+        (law("d", c=1.0), "parameter_not_in_formula"),
+        (law("d^-1"), "formula_not_finite_at_contact"),
+        (law("9^9^9^9 * d"), "formula_of_a_huge_power"),
+        (law("sqrt(d, 1)"), "formula_with_two_arguments"),
+        (law("d)"), "formula_is_none"),
+        (law("-" * 200 + "d"), "formula_too_deep"),
+        (law("d" * 2000), "formula_too_long"),
+        ({"kind": "formulas"}, "no_normal_law_formulas"),
     ],
 )
 def test_what_is_no_formula_is_refused_in_a_sentence(table, words):
-    with pytest.raises(SceneError, match=re.escape(words)):
+    with refused(words, SceneError):
         Contact("bottom", normal_law=table)

@@ -27,6 +27,7 @@ from fenics_contact.scene.values import RAMP
 from fenics_contact.simulation.output import run_folder as files
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from tests.contact.laws.test_by_points import both, displaced, matrix_of, use_friction
+from tests.messages import refused
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 
@@ -282,26 +283,23 @@ def test_derivatives_follow_the_pressure():
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"friction_law": {"kind": "sticky"}}, "must be a table whose kind is one of 'coulomb', "),
-        ({"friction_law": COMPLIANCE["friction_law"]}, "but the contact is unilateral"),
-        (COMPLIANCE | {"friction_coefficient": 0.1}, "has a coefficient of its own"),
+        ({"friction_law": {"kind": "sticky"}}, "no_friction_law_sticky"),
+        ({"friction_law": COMPLIANCE["friction_law"]}, "compliance_of_unilateral_contact"),
+        (COMPLIANCE | {"friction_coefficient": 0.1}, "compliance_with_friction_coefficient"),
         (
             {"friction_law": BY_PRESSURE["friction_law"] | {"pressures": [0, 9, 3]}},
-            "pressures must be ≥ 0 and increase",
+            "pressures_fall",
         ),
         (
             {"friction_law": BY_PRESSURE["friction_law"] | {"pressures": [0, 9]}},
-            "pressures has 2 entries and shares 3",
+            "too_few_pressures",
         ),
-        (BY_SLIP | {"law": "static"}, "which needs law = 'incremental'"),
-        (
-            {"friction_law": BY_PRESSURE["friction_law"] | {"share": 1}},
-            "did you mean 'shares'.*accepted here: kind, pressures, shares",
-        ),
+        (BY_SLIP | {"law": "static"}, "static_slip_dependent_friction"),
+        ({"friction_law": BY_PRESSURE["friction_law"] | {"share": 1}}, "unknown_key_share"),
     ],
 )
 def test_contradictions_are_refused(keys, message):
-    with pytest.raises(ValueError, match=message):
+    with refused(message, ValueError):
         Contact("top", **keys)
 
 
@@ -318,5 +316,5 @@ def test_coulombs_law_that_is_named_moves_as_the_default_does():
     assert one.quantities["max_slip"] > 0
     for name in ("friction_force", "max_slip", "kinetic_energy"):
         assert one.quantities[name] == pytest.approx(other.quantities[name], rel=1e-12), name
-    with pytest.raises(ValueError, match="follows velocities yet"):
+    with refused("no_velocities", ValueError):
         sheared(BY_PRESSURE | {"law": "incremental"}, **MOVING)

@@ -7,16 +7,17 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Material, Path, Run, Scene, Steps, Study, Support, run
-from fenics_contact.contact.snapshot import recall, remember
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import CONSTANT
+from fenics_contact.solve.load_steps.accepted_step import recall, remember
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
-from fenics_contact.trust.checks.run_checks import run_checks
+from fenics_contact.trust.run_checks import run_checks
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.laws.friction_bounds import MICRO_SLIP_CASES
+from fenics_contact.verification.published.friction_bounds import MICRO_SLIP_CASES
 from tests.contact.laws.test_by_points import both, displaced, matrix_of, use_friction
 from tests.contact.laws.test_friction_rules import rubbed, sheared
+from tests.messages import refused
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 from tests.wrong_answers import with_body
@@ -246,7 +247,7 @@ def test_results_do_not_call_it_a_regularisation():
         assert errors["total"] > 0
     assert "undecided_points" not in contact.quantities
     assert "stick_creep" not in result.checks
-    with pytest.raises(ValueError, match="micro-slip friction has none"):
+    with refused("micro_slip_with_regularisation", ValueError):
         rubbed(keys() | {"regularisation_parameter": 1e-6})
 
 

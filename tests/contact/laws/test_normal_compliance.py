@@ -10,6 +10,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Steps, Support, run
 from fenics_contact.problem.problem import Problem
 from fenics_contact.verification.boxes import Box, boxes
+from tests.messages import refused
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 from tests.solve.matrices import product
@@ -175,16 +176,16 @@ def test_a_run_is_restarted_on_other_ranks(folder):
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"normal_law": law(0.5)}, "exponent"),
-        ({"normal_law": law(2, -1)}, "must be ≥ 0"),
-        ({"normal_law": law(2), "contact": "bonded"}, "the normal_law says"),
-        ({"normal_law": law(2), "pressure": 1}, "it is found, not given"),
-        ({"normal_law": law(2), "penalty_parameter": 1.0}, "normal compliance contact has none"),
-        ({"normal_law": law(2) | {"power": 2}}, "power"),
+        ({"normal_law": law(0.5)}, "exponent_below_1"),
+        ({"normal_law": law(2, -1)}, "compliance_coefficient_is_negative"),
+        ({"normal_law": law(2), "contact": "bonded"}, "normal_law_beside_contact_kind"),
+        ({"normal_law": law(2), "pressure": 1}, "compliance_with_pressure"),
+        ({"normal_law": law(2), "penalty_parameter": 1.0}, "compliance_with_penalty"),
+        ({"normal_law": law(2) | {"power": 2}}, "unknown_key_power"),
     ],
 )
 def test_contradictions_are_refused(keys, message):
-    with pytest.raises(ValueError, match=message):
+    with refused(message, ValueError):
         Contact("top", **keys)
 
 

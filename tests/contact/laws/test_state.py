@@ -7,11 +7,11 @@ from mpi4py import MPI
 
 from fenics_contact import ContactPoints, Run
 from fenics_contact.contact.laws import normal
-from fenics_contact.contact.laws.normal.foundation import Foundation
-from fenics_contact.contact.snapshot import recall, remember
+from fenics_contact.contact.laws.normal.elastic_laws import Foundation
 from fenics_contact.contact.state import ContactState
 from fenics_contact.results.contact_points import AT_POINTS, WRITTEN, PointArray
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.state_file import StateFile
+from fenics_contact.solve.load_steps.accepted_step import recall, remember
 from tests.scenes import box_body
 from tests.simulation.restart.test_state_file import STEPS, silent
 from tests.solve.load_steps.histories import dragged

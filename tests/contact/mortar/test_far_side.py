@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh
-from fenics_contact.contact.mortar.integrals import integrate
+from fenics_contact.contact.mortar.projection import integrate
 from fenics_contact.contact.mortar.ray_projection import entries_behind, hits
 
 

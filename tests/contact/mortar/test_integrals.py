@@ -1,13 +1,14 @@
 """Mortar coupling of surfaces whose meshes do not match, against geometry known exactly."""
 
+import dataclasses
+
 import basix
 import numpy as np
 import pytest
 
-from fenics_contact.contact.mortar import clipping
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh
-from fenics_contact.contact.mortar.integrals import integrate
-from fenics_contact.contact.mortar.projection import NodalProjection
+from fenics_contact.contact.mortar.polygon_overlap import clip, counter_clockwise, fan, signed_areas
+from fenics_contact.contact.mortar.projection import NodalProjection, integrate
 from fenics_contact.contact.mortar.ray_projection import face, hits
 from tests.contact.mortar.facet_meshes import arc, cap, flat, node_places
 
@@ -465,16 +466,32 @@ def turned(angle):
     ],
 )
 def test_common_areas_of_polygons(polygon, window, area):
-    common = clipping.clip(
-        clipping.counter_clockwise(polygon[None]), clipping.counter_clockwise(window[None])
+    common = clip(
+        counter_clockwise(polygon[None]),
+        counter_clockwise(window[None]),
     )
-    assert clipping.areas(common)[0] == pytest.approx(area, abs=1e-14)
-    triangles = clipping.fan(common)[0]
-    np.testing.assert_allclose(clipping.areas(triangles).sum(), area, atol=1e-14)
-    assert clipping.areas(triangles).min() >= -1e-15
+    assert signed_areas(common)[0] == pytest.approx(area, abs=1e-14)
+    triangles = fan(common, np.array([[1.0, 0.6]]))[0]
+    np.testing.assert_allclose(signed_areas(triangles).sum(), area, atol=1e-14)
+    assert signed_areas(triangles).min() >= -1e-15
 
 
 def test_polygons_that_run_clockwise_are_reversed():
     both = np.stack([SQUARE, SQUARE[::-1]])
-    np.testing.assert_allclose(clipping.areas(both), [4, -4])
-    np.testing.assert_allclose(clipping.areas(clipping.counter_clockwise(both)), 4)
+    np.testing.assert_allclose(signed_areas(both), [4, -4])
+    np.testing.assert_allclose(signed_areas(counter_clockwise(both)), 4)
+
+
+@pytest.mark.parametrize("turns", [(1, 0), (0, 1), (2, 1)])
+def test_a_projection_does_not_depend_on_the_corner_that_a_facet_begins_at(turns):
+    """It depends on the ranks that share a mesh, and ratios are not integrated exactly."""
+    meshes = cap("triangle", 5, 1.0, 1), cap("triangle", 6, 1.05, -1, width=1.6, turn=0.4)
+    _, expected = coupled(*meshes)
+    _, found = coupled(*(begun_at(mesh, turn) for mesh, turn in zip(meshes, turns, strict=True)))
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def begun_at(mesh, corner):
+    """Linear triangles, each with its nodes from another corner on."""
+    turned = {name: np.roll(getattr(mesh, name), corner, axis=1) for name in ("geometry", "nodes")}
+    return dataclasses.replace(mesh, **turned)

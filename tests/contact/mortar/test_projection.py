@@ -8,8 +8,12 @@ from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
 from fenics_contact import Contact, Discretisation, Material, Scene, Support
-from fenics_contact.contact.mortar.integrals import MortarIntegrals, integrate
-from fenics_contact.contact.mortar.projection import NodalProjection, Projection
+from fenics_contact.contact.mortar.projection import (
+    MortarIntegrals,
+    NodalProjection,
+    Projection,
+    integrate,
+)
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_dofs import ContactDofs

@@ -22,6 +22,7 @@ from fenics_contact.mesh.tagged_mesh import Relation
 from tests import cad
 from tests.body.test_connected_parts import parts_of
 from tests.mesh.test_loading import area, refusal, with_gmsh, write
+from tests.messages import refused, says
 
 COMM = MPI.COMM_WORLD
 LABELS = ("lower plate", "upper plate", "Bolt")
@@ -126,8 +127,7 @@ def test_body_inside_another_is_refused(folder):
         occ.addSphere(1, 1, 1, 0.5)
 
     file = cad.write_shapes(folder / "in.step", build)
-    said = refusal(MeshSource(file), 3)
-    assert "the body 'body_2' lies inside 'body_1', with all of its volume; cut its room" in said
+    says("body_inside_another", refusal(MeshSource(file), 3))
 
 
 def test_each_body_has_its_size_also_when_it_is_refined(folder):
@@ -146,9 +146,25 @@ def test_each_body_has_its_size_also_when_it_is_refined(folder):
     assert cells_of(finer, "middle") > 1.4 * middle
     assert cells_of(finer, "left") > 0.7 * left  # not as coarse as the field allows
     assert cells_of(finer, "right") == pytest.approx(cells_of(finer, "middle"), rel=0.2)
-    said = refusal(dataclasses.replace(source, sizes={"lefft": 1.0}), 3)
-    assert "mesh.sizes.lefft: " in said
-    assert "no body of that name (did you mean 'left'?); it has: left, middle, right" in said
+    says("no_body_lefft", refusal(dataclasses.replace(source, sizes={"lefft": 1.0}), 3))
+
+
+def test_no_radius_has_smaller_cells_than_asked_for(folder):
+    """A thin hole through a plate, by the areas of its facets."""
+
+    def build(occ):
+        plate, hole = occ.addBox(0, 0, 0, 8, 8, 2), occ.addCylinder(4, 4, 0, 0, 0, 2, 0.2)
+        occ.cut([(3, plate)], [(3, hole)])
+
+    file = cad.write_shapes(folder / "plate.step", build)
+    source = MeshSource(file, size=2.0, curvature=24, groups={"hole": (7,)})
+    facets = []
+    for least in (None, 0.5):
+        body = load_body(dataclasses.replace(source, least_size=least), 3, COMM)
+        facets.append(COMM.allreduce(len(body.entities(body.groups["hole"]))))
+    assert facets[0] > 5 * facets[1]
+    with refused("least_size_above_largest"):
+        dataclasses.replace(source, least_size=3.0)
 
 
 @pytest.mark.parametrize(

@@ -2,19 +2,19 @@
 
 import dataclasses
 import math
-import re
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError, MeshSource, Preload
+from fenics_contact import MeshSource, Preload
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.size_field import SizeField
 from tests import cad
 from tests.body.test_connected_parts import parts_of
 from tests.mesh.geometry.test_bodies import LABELS, NAMES, cells_of, volume
 from tests.mesh.test_loading import area, write
+from tests.messages import refused
 
 COMM = MPI.COMM_WORLD
 ALONG = (0, 0, 2)
@@ -117,7 +117,7 @@ def test_bodies_of_several_meshes(folder):
     sources = (bar("left", 0), bar("right", 3))
     body = load_body(sources, 3, COMM, preloads=(preload,))
     assert volume(body, preload.group) == pytest.approx(1, rel=1e-9)
-    with pytest.raises(InputError, match=re.escape("there is no mesh 'rigt' (did you mean")):
+    with refused("no_mesh_rigt"):
         wrong = dataclasses.replace(preload, on="rigt.body")
         load_body(sources, 3, COMM, preloads=(wrong,))
 
@@ -125,18 +125,17 @@ def test_bodies_of_several_meshes(folder):
 @pytest.mark.parametrize(
     ("on", "between", "words"),
     [
-        ("bolt", (1, 6), "no body of that name (did you mean 'Bolt'?); it has: lower_plate, "),
-        ("Bolt", (-4, 6), "between = [-4, 6]: 'Bolt' reaches only from -3 to 11 along the axis"),
-        ("Bolt", (1, 12), "between = [1, 12]: 'Bolt' reaches only from -3 to 11 along the axis"),
-        ("Bolt", (20, 30), "'Bolt' reaches only from -3 to 11 along the axis"),
+        ("bolt", (1, 6), "no_body_bolt"),
+        ("Bolt", (-4, 6), "cut_begins_before_the_bolt"),
+        ("Bolt", (1, 12), "cut_ends_behind_the_bolt"),
+        ("Bolt", (20, 30), "cut_beside_the_bolt"),
     ],
 )
 def test_refused_by_the_file(on, between, words, folder):
     file = cad.write_shapes(folder / "joint.step", cad.joint, LABELS)
     preload = Preload(on, ALONG, 1.0, between=between)
-    with pytest.raises(InputError) as caught:
+    with refused(words):
         load_body(MeshSource(file, size=8), 3, COMM, preloads=(preload,))
-    assert str(caught.value).startswith("preload[0].") and words in str(caught.value)
 
 
 def test_no_file_that_can_be_cut(folder):
@@ -145,6 +144,6 @@ def test_no_file_that_can_be_cut(folder):
     if COMM.rank == 0:
         mesh.write_text("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n")
     COMM.barrier()
-    for source, what in ((script, "is a script"), (MeshSource(str(mesh)), "is a mesh already")):
-        with pytest.raises(InputError, match=what):
+    for source, what in ((script, "cut_of_a_script"), (MeshSource(str(mesh)), "cut_of_a_mesh")):
+        with refused(what):
             load_body(source, 3, COMM, preloads=(dataclasses.replace(BOLT, on="body"),))

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError, MeshSource
+from fenics_contact import MeshSource
 from fenics_contact.mesh.loading import load_body
 from tests.mesh.readers.blocks import Block, bdf, inp
 from tests.mesh.readers.test_formats import of_cells
 from tests.mesh.test_loading import area, write
+from tests.messages import refused
 
 COMM = MPI.COMM_WORLD
 # As Abaqus/CAE writes it: a part, one instance, a reference point with the number of a node, and
@@ -65,7 +66,7 @@ def test_one_part_with_one_instance(folder):
     assert area(body, "Set-1.nodes") == pytest.approx(2)  # the assembly's: the upper side
     assert area(body, "Plate.Set-1") == pytest.approx(6)
     assert area(body, "Around") == pytest.approx(3)  # outer sides of the first cell
-    with pytest.raises(InputError, match="'RP': the group is empty"):
+    with refused("group_rp_is_empty"):
         body.group("RP", "support[0].on")
 
 

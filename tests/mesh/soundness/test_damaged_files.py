@@ -12,6 +12,7 @@ from tests.mesh.readers.blocks import Block, bdf, inp
 from tests.mesh.readers.test_formats import volume, with_meshio
 from tests.mesh.soundness.damages import HARMLESS, REFUSED, REFUSED_OF_ORDER_2, msh
 from tests.mesh.test_loading import refusal, write
+from tests.messages import says
 
 COMM = MPI.COMM_WORLD
 KINDS = {
@@ -84,7 +85,7 @@ def test_an_element_twice_is_named_by_both_numbers(folder):
     block = Block("quadrilateral")
     block.cells = np.concatenate([block.cells, block.cells[2:3, [1, 2, 3, 0]]])
     said = refusal(written(folder, block, "inp"))
-    assert f"the elements 103 and {100 + len(block.cells)} have the same corners:" in said
+    says("two_elements_of_the_same_corners", said, other=100 + len(block.cells))
 
 
 def test_an_element_in_two_groups_of_gmsh_is_one(folder):

@@ -6,10 +6,9 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import MeshSource
+from fenics_contact.mesh.facing_surfaces import bolts, facing_pairs
 from fenics_contact.mesh.loading import load_to_look
-from fenics_contact.mesh.survey.facing import facing_pairs
-from fenics_contact.mesh.survey.pieces import bolts
-from fenics_contact.mesh.survey.survey import survey
+from fenics_contact.mesh.survey import survey
 from tests import cad
 from tests.mesh.test_loading import write
 from tests.scenes import ROOT

@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
-from fenics_contact.mesh.survey.shapes import shape_of
+from fenics_contact.mesh.surface_shapes import shape_of
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of arrays; one rank will do")
 

@@ -1,7 +1,7 @@
 """Scalar unknowns that are not the program's: springs behind an obstacle and under a support."""
 
-from fenics_contact.problem.scalars import kinds
-from fenics_contact.problem.scalars.scalar import ContactScalar, PrescribedDisplacement
+from fenics_contact.problem import scalar_kinds
+from fenics_contact.problem.scalar_unknown import ContactScalar, PrescribedDisplacement
 
 STIFFNESS = 400.0
 
@@ -50,4 +50,4 @@ def feet(problem):
 
 
 KINDS = {"seat": seats, "foot": feet}
-register, unregister = kinds.register, kinds.unregister
+register, unregister = scalar_kinds.register, scalar_kinds.unregister

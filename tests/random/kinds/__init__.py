@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from tests.random.dice import SeededDice
 from tests.random.kinds.anisotropic import anisotropic
 from tests.random.kinds.arches import arch
+from tests.random.kinds.assemblies import assembly
 from tests.random.kinds.common import completed
 from tests.random.kinds.conformal import conformal
 from tests.random.kinds.corners import corner
@@ -46,33 +47,36 @@ KINDS = {
     "thin": thin,
     "bearing": bearing,
     "quarter": quarter,
+    "assembly": assembly,
 }
 _OTHERS = 4  # one scene in so many is of the kinds of tests.random.scenes
 
 
-def draw_any(seed: int, number: int, kinds: Sequence[str] = ()) -> RandomScene:
+def draw_any(seed: int, number: int, kinds: Sequence[str] = (), errors: str = "all") -> RandomScene:
     """The scene of a number: of all kinds in turn.
 
     Args:
         seed: Of all.
         number: Of this one.
         kinds: Of which it is, in turn; by default of all, and of those of ``tests.random.scenes``.
+        errors: Those that are estimated, with each solver.
     """
     if kinds:
-        return with_errors(draw_kind(kinds[number % len(kinds)], seed, number))
+        return with_errors(draw_kind(kinds[number % len(kinds)], seed, number), errors)
     if number % _OTHERS == _OTHERS - 1:
-        return with_errors(draw(seed, number))
+        return with_errors(draw(seed, number), errors)
     turn = number - number // _OTHERS
-    return with_errors(draw_kind(list(KINDS)[turn % len(KINDS)], seed, number))
+    return with_errors(draw_kind(list(KINDS)[turn % len(KINDS)], seed, number), errors)
 
 
-def with_errors(random: RandomScene) -> RandomScene:
-    """All are estimated, with each solver.
+def with_errors(random: RandomScene, errors: str) -> RandomScene:
+    """The scene, with errors that are estimated as is said.
 
     Args:
         random: The scene.
+        errors: As its ``solver.errors``.
     """
-    settings = dataclasses.replace(random.scene.solver, errors="all")
+    settings = dataclasses.replace(random.scene.solver, errors=errors)
     return dataclasses.replace(random, scene=dataclasses.replace(random.scene, solver=settings))
 
 

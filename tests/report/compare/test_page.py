@@ -9,14 +9,14 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import InputError, Run, main
-from fenics_contact.cli.compare import command
-from fenics_contact.report.compare import contacts as drawn_contacts
-from fenics_contact.report.compare import histories as drawn_histories
-from fenics_contact.report.compare import page as compare_page
+from fenics_contact.cli import compare as command
+from fenics_contact.report.page import compare as compare_page
+from fenics_contact.report.page import compare as drawn_contacts
+from fenics_contact.report.page import compared_histories as drawn_histories
 from fenics_contact.results.contact_points import ContactTable
-from fenics_contact.results.words.rounding import rounded
+from fenics_contact.results.rounding import rounded
 from fenics_contact.simulation.output import run_folder as files
-from fenics_contact.verification.impacts import bar_on_wall
+from fenics_contact.verification.published.impacts import bar_on_wall
 from tests.report.page.test_page import Reader
 from tests.report.test_gallery import coarse  # noqa: F401
 from tests.scenes import PULLED_BLOCK, box_body, slab
@@ -95,11 +95,13 @@ def test_curves_are_those_of_contact_csv(tmp_path, monkeypatch):
             assert found == pytest.approx(table.numbers[column][order]), name
 
 
+def few_cells():
+    return block(MPI.COMM_SELF, (4, 2))
+
+
 def test_load_steps_and_hysteresis(tmp_path, monkeypatch, capsys):
     """Histories of unlike numbers of load steps, and a loop, are on each other."""
-    folders = [
-        solved(cycled(steps), tmp_path / f"s{steps}", block(MPI.COMM_SELF)) for steps in (4, 8)
-    ]
+    folders = [solved(cycled(steps), tmp_path / f"s{steps}", few_cells()) for steps in (4, 8)]
     titles = []
     whole = compare_page._draw
 
@@ -126,7 +128,7 @@ def test_contacts_without_friction_have_no_curve_of_it(tmp_path, monkeypatch, ca
     (contact,) = scene.contact
     smooth = dataclasses.replace(contact, friction_coefficient=0.0)
     scene = dataclasses.replace(scene, contact=(smooth,))
-    folders = [solved(scene, tmp_path / n, block(MPI.COMM_SELF)) for n in ("first", "second")]
+    folders = [solved(scene, tmp_path / n, few_cells()) for n in ("first", "second")]
     for folder in folders:
         file = folder / "result.json"
         result = json.loads(file.read_text(encoding="utf-8"))
@@ -149,7 +151,7 @@ def test_times_of_motions_are_no_pseudo_times(tmp_path, capsys):
     """Beside load steps the axis has both."""
     scene, bar = bar_on_wall(4, 1.0)
     moved = [solved(scene, tmp_path / name, bar) for name in ("first", "second")]
-    steps = solved(cycled(4), tmp_path / "steps", block(MPI.COMM_SELF))
+    steps = solved(cycled(4), tmp_path / "steps", few_cells())
     for runs, clock in ((moved, "time"), ([moved[0], steps], "pseudo-time or time")):
         page = tmp_path / "c.html"
         assert compared(capsys, *runs, "--out", page, "--all")[0] == 0

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from fenics_contact.analytic.contact import HertzContact
+from fenics_contact.report import hysteresis
+from fenics_contact.report import load_steps as history_pictures
 from fenics_contact.report.contacts import section_stress
 from fenics_contact.report.contacts.section_stress import draw_section
-from fenics_contact.report.formulas.recognition import AnalyticContact
-from fenics_contact.report.histories import load_steps as history_pictures
-from fenics_contact.report.histories.load_steps import draw_history
+from fenics_contact.report.load_steps import draw_history
+from fenics_contact.report.recognition import AnalyticContact
 from tests.records import made_run
 from tests.report.drawing.test_style import CONTACT, points, strip
 
@@ -20,7 +21,7 @@ HOSTILE = (r"$\frac$", "\u061ca\x1b[2J")
 @pytest.fixture(autouse=True)
 def unsaved(monkeypatch):
     """Figures are made, but no files, which take the time."""
-    for module in (history_pictures, section_stress):
+    for module in (history_pictures, hysteresis, section_stress):
         monkeypatch.setattr(module, "save", lambda figure, path: None)
 
 
@@ -94,7 +95,8 @@ def test_any_name_can_be_drawn(monkeypatch, tmp_path):
         for panel in figure.axes:
             texts.extend([panel.get_title("left"), *panel.get_legend_handles_labels()[1]])
 
-    monkeypatch.setattr(history_pictures, "save", drawn)
+    for module in (history_pictures, hysteresis):
+        monkeypatch.setattr(module, "save", drawn)
     result = cycled()
     result["contacts"] = [result["contacts"][0] | {"name": name} for name in HOSTILE]
     for step in result["steps"]:

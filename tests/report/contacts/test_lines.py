@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 from fenics_contact.analytic import contact as formulas
-from fenics_contact.report.contacts.axis_stress import AxisStress, contact_radius
-from fenics_contact.report.contacts.displacement import SurfaceDisplacement
+from fenics_contact.report.contacts.depth_curves import (
+    AxisStress,
+    SurfaceDisplacement,
+    contact_radius,
+)
 from fenics_contact.report.contacts.section_stress import section_at
 from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.results.contact_points import ContactTable
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from tests.report.test_gallery import small_sphere, write_run
 
 pytestmark = pytest.mark.serial

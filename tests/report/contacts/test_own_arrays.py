@@ -5,18 +5,21 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Run
+from fenics_contact.report.bodies.view_3d import make_view
 from fenics_contact.report.contacts.film import frame_rows
-from fenics_contact.report.contacts.own_arrays import shown_arrays
+from fenics_contact.report.contacts.line import shown_arrays
 from fenics_contact.report.drawing.fields import read_body
 from fenics_contact.report.report import write_report
-from fenics_contact.report.view.view_3d import make_view
 from fenics_contact.results.contact_points import ContactTable
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.simulation.output import run_folder as files
-from tests.contact.laws.test_own_arrays import STEPS, polished  # noqa: F401
+from tests.contact.laws.test_own_arrays import polished  # noqa: F401
 from tests.simulation.output.test_run_folder import block, cycled
 
 pytestmark = [pytest.mark.serial, pytest.mark.usefixtures("polished")]
+
+
+STEPS = 4  # pressed on, to one side, to the other, back
 
 
 def written(folder, kinematics="plane strain", cells=(8, 4)):

@@ -8,8 +8,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import main
-from fenics_contact.report.drawing.figures import new_figure, save
-from fenics_contact.report.drawing.paper import Paper, for_paper, wanted
+from fenics_contact.report.drawing.figures import Paper, for_paper, new_figure, save, wanted
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of files; one rank will do")
 

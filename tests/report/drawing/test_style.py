@@ -7,19 +7,19 @@ import sys
 import numpy as np
 import pytest
 
-from fenics_contact import InputError
-from fenics_contact.report.bodies.obstacles import obstacle_surface
 from fenics_contact.report.bodies.picture import draw_body
+from fenics_contact.report.bodies.view import obstacle_surface
 from fenics_contact.report.contacts.curves import draw_curves
 from fenics_contact.report.contacts.maps import draw_maps
 from fenics_contact.report.contacts.section_stress import section_at
-from fenics_contact.report.drawing import display
+from fenics_contact.report.drawing import picture
 from fenics_contact.report.drawing.cells import cells_of
 from fenics_contact.report.drawing.fields import flat_outline, joined
 from fenics_contact.report.drawing.figures import new_figure, save
 from fenics_contact.report.drawing.style import COLOURS, LINES
-from fenics_contact.report.histories.hysteresis import last_loop
+from fenics_contact.report.hysteresis import last_loop
 from fenics_contact.results.contact_points import BODY_OF_CELLS, ContactTable, facet_flags
+from tests.messages import refused
 from tests.records import made_contact, made_run
 
 pytestmark = pytest.mark.serial
@@ -54,7 +54,7 @@ def luminance_of_colours(path):
     return found
 
 
-@pytest.mark.fonts
+@pytest.mark.pdf
 def test_text_of_a_pdf_can_be_edited_and_searched(tmp_path):
     """With parts of TrueType fonts, as publishers want them, and no letters drawn as outlines."""
     figure, _ = new_figure("of $1", (2, 2))
@@ -63,6 +63,7 @@ def test_text_of_a_pdf_can_be_edited_and_searched(tmp_path):
     assert b"/FontFile2" in written and b"/Type3" not in written
 
 
+@pytest.mark.pdf
 @pytest.mark.parametrize("kind", ["line", "map"])
 def test_status_is_told_apart_in_grey(kind, tmp_path):
     """By a fifth of the way from black to white at least."""
@@ -82,6 +83,7 @@ def test_curves_that_share_a_panel_differ_by_more_than_their_hue():
     assert len({str(dashes) for _, dashes in LINES}) == len(LINES)
 
 
+@pytest.mark.pdf
 def test_figures_are_the_same_in_every_run_and_leave_matplotlib_as_it_was(tmp_path):
     import matplotlib
 
@@ -220,12 +222,12 @@ def test_cut_through_half_a_zone_in_space():
 
 
 def test_without_anything_to_draw_on_there_is_one_sentence(monkeypatch):
-    monkeypatch.setattr(display, "_draws_by_egl", lambda: False)
+    monkeypatch.setattr(picture, "_draws_by_egl", lambda: False)
     monkeypatch.setenv("DISPLAY", ":7777")  # nobody is there
     monkeypatch.setenv("PATH", "/nowhere")
     with (
-        pytest.raises(InputError, match=r"need a display: install .*libegl1.*xvfb"),
-        display.display(),
+        refused("pictures_need_a_display"),
+        picture.display(),
     ):
         raise AssertionError
     assert os.environ["DISPLAY"] == ":7777"
@@ -236,7 +238,7 @@ def test_a_body_is_drawn_without_a_display_and_beside_one_that_is_dead(name):
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
     environment |= {"DISPLAY": name} if name else {}
     drawing = (
-        "from fenics_contact.report.drawing.display import display\n"
+        "from fenics_contact.report.drawing.picture import display\n"
         "with display():\n"
         "    import pyvista\n"
         "    plotter = pyvista.Plotter(off_screen=True, window_size=(60, 60))\n"

@@ -11,11 +11,10 @@ from fenics_contact.report.contacts.curves import draw_curves
 from fenics_contact.report.contacts.line import SurfaceLine
 from fenics_contact.report.contacts.map_values import Surface
 from fenics_contact.report.contacts.section_stress import section_at
+from fenics_contact.report.drawing.cells import contact_pieces
 from fenics_contact.report.drawing.charts import Cylinder, Plane, chart_of
-from fenics_contact.report.drawing.facets import contact_pieces
 from fenics_contact.results.contact_points import ContactTable, facet_flags
-from fenics_contact.simulation.output.fields import _cell_fields
-from fenics_contact.simulation.output.vtu import write_grid
+from fenics_contact.simulation.output.fields import _cell_fields, write_grid
 from tests.records import made_contact
 from tests.report.test_gallery import pressed
 from tests.scenes import box_body

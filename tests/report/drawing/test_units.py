@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from fenics_contact.report import hysteresis, load_steps
 from fenics_contact.report.contacts import curves, maps
 from fenics_contact.report.contacts.curves import draw_curves
 from fenics_contact.report.contacts.maps import draw_maps
 from fenics_contact.report.drawing.figures import surface_of
-from fenics_contact.report.drawing.units import in_units, labelled, with_unit
-from fenics_contact.report.histories import load_steps
-from fenics_contact.report.histories.load_steps import draw_history
+from fenics_contact.report.drawing.style import in_units, labelled, with_unit
+from fenics_contact.report.load_steps import draw_history
 from fenics_contact.results.records.record import UnitsRecord
 from tests.records import made_contact, made_run
 from tests.report.contacts.test_captions import cycled
@@ -29,7 +29,7 @@ def labels(monkeypatch):
             found.extend([panel.get_xlabel(), panel.get_ylabel()])
             found.extend(panel.get_legend_handles_labels()[1])
 
-    for module in (curves, maps, load_steps):
+    for module in (curves, maps, load_steps, hysteresis):
         monkeypatch.setattr(module, "save", collect)
     return found
 

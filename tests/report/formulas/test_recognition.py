@@ -9,7 +9,7 @@ import pytest
 from fenics_contact import Contact, HalfSpace, Load, Material, MeshSource, Obstacle, Scene, Support
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.body.supports import HeldDofs, SymmetryPlane
-from fenics_contact.report.formulas.recognition import recognise
+from fenics_contact.report.recognition import recognise
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.scene.values import Profile
 from tests.records import made_run

@@ -3,8 +3,8 @@
 import pytest
 from mpi4py import MPI
 
-from fenics_contact.report.histories import wear
-from fenics_contact.report.histories.wear import draw_worn_history
+from fenics_contact.report import load_steps as wear
+from fenics_contact.report.load_steps import draw_worn_history
 from tests.records import made_run
 from tests.report.contacts.test_captions import cycled
 

@@ -14,7 +14,6 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
-    InputError,
     Load,
     Material,
     Path,
@@ -24,16 +23,17 @@ from fenics_contact import (
     Support,
     main,
 )
-from fenics_contact.report.drawing.field_files import whole_body
+from fenics_contact.report.bodies.view_3d import make_view
+from fenics_contact.report.drawing.fields import whole_body
 from fenics_contact.report.page.templates import bar, html, table
+from fenics_contact.report.page.view_page import view_html
 from fenics_contact.report.report import write_report
-from fenics_contact.report.view.view_3d import make_view
-from fenics_contact.report.view.view_page import view_html
 from fenics_contact.results.check_messages import title
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.quantities import idle_quantities
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.simulation.output import run_folder as files
+from tests.messages import refused
 from tests.report.page.pages import page_of
 from tests.scenes import PULLED_BLOCK, box_body, slab, with_solver
 from tests.simulation.output.test_run_folder import block, cycled
@@ -334,51 +334,54 @@ def replaced(path, text, other):
 
 
 DAMAGES = {
-    "a piece is cut off": (cut_off("fields_p0_*.vtu"), r"\.vtu: damaged: its end is missing"),
-    "a grid is cut off": (cut_off("*.pvtu"), r"\.pvtu: damaged: its end is missing"),
-    "a field is missing": (garbled, r"\.vtu: damaged: it lacks displacement"),
-    "a piece is gone": (lambda folder: next(folder.glob("*.vtu")).unlink(), "cannot be read: No"),
+    "a piece is cut off": (cut_off("fields_p0_*.vtu"), "fields_are_cut"),
+    "a grid is cut off": (cut_off("*.pvtu"), "fields_grid_is_cut"),
+    "a field is missing": (garbled, "fields_lack_displacement"),
+    "a piece is gone": (
+        lambda folder: next(folder.glob("*.vtu")).unlink(),
+        "fields_piece_missing",
+    ),
     "the series is empty": (
         lambda folder: (folder / "fields.pvd").write_text("<VTKFile></VTKFile>"),
-        "names no files",
+        "fields_series_is_empty",
     ),
-    "points are gone": (lambda folder: (folder / "contact.csv").unlink(), r"contact\.csv: cannot"),
-    "points are cut off": (cut_off("contact.csv"), r"contact\.csv: damaged: line \d+ is not whole"),
+    "points are gone": (
+        lambda folder: (folder / "contact.csv").unlink(),
+        "contact_table_missing",
+    ),
+    "points are cut off": (cut_off("contact.csv"), "contact_table_is_cut"),
     "a line of the points is gone": (
         lambda folder: cut_to_lines(folder / "contact.csv", -1),
-        r"contact\.csv: damaged: it has \d+ points, but the run had \d+",
+        "contact_table_lacks_a_point",
     ),
     "points are empty": (
         lambda folder: (folder / "contact.csv").write_text(""),
-        r"contact\.csv: damaged: its first line does not name the columns",
+        "other_columns",
     ),
     "points have a column less": (
         lambda folder: replaced(folder / "contact.csv", ",gap,", ","),
-        r"contact\.csv: damaged: its first line does not name",
+        "other_columns",
     ),
     "a point is no number": (
         lambda folder: replaced(folder / "contact.csv", "\nz0,", "\nz0,x"),
-        r"contact\.csv: damaged: could not convert string to float: 'x",
+        "contact_table_has_a_letter",
     ),
-    "the result is cut off": (
-        cut_off("result.json"),
-        r"result\.json: not a result of this program",
-    ),
+    "the result is cut off": (cut_off("result.json"), "result_is_cut"),
     "the result is a word": (
         lambda folder: (folder / "result.json").write_text('{"converged": true}'),
-        r"result\.json: not a result of this program: it lacks the key 'title'",
+        "result_lacks_title",
     ),
     "the result is a list": (
         lambda folder: (folder / "result.json").write_text("[]"),
-        r"result\.json: not a result of this program: the whole: ",
+        "result_a_list",
     ),
     "a part of the result is gone": (
         lambda folder: replaced(folder / "result.json", '"newton_iterations"', '"newton"'),
-        r"result\.json: not a .*: it lacks the key 'steps\.0\.newton_iterations'",
+        "result_lacks_newton_iterations",
     ),
     "a part of the result is another": (
         lambda folder: replaced(folder / "result.json", '"passed": true', '"passed": [2]'),
-        r"result\.json: not a result of this program: passed: input should be a valid boolean",
+        "result_passed_is_a_list",
     ),
 }
 
@@ -389,7 +392,7 @@ def test_damaged_files_are_named(damage, run, tmp_path):
     (tmp_path / "damaged/report.html").unlink()
     action, words = DAMAGES[damage]
     action(tmp_path / "damaged")
-    with pytest.raises(InputError, match=words):
+    with refused(words):
         write_report(tmp_path / "damaged")
     assert main(["report", str(tmp_path / "damaged")]) == 2
     assert not (tmp_path / "damaged/report.html").exists()
@@ -397,7 +400,7 @@ def test_damaged_files_are_named(damage, run, tmp_path):
 
 def test_a_library_that_is_missing_is_named(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "plotly", None)
-    with pytest.raises(InputError, match="pictures need plotly: install it with pip"):
+    with refused("pictures_need_plotly"):
         write_report(run[0])
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact.report.sweep.shapes import shape_of
+from fenics_contact.report.page.sweep_states import shape_of
 
 pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of arrays; one rank will do")
 MIXED = np.random.default_rng(3)

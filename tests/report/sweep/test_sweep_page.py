@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fenics_contact import InputError
-from fenics_contact.report.sweep.page import write_sweep_page
+from fenics_contact.report.page.sweep import write_sweep_page
+from tests.messages import refused
 from tests.report.sweep.sweeps import (
     COEFFICIENT,
     INDENTATION,
@@ -346,7 +346,7 @@ def test_a_thousand_points_take_less_than_8_mb(tmp_path):
 
 
 def test_what_is_larger_is_thinned_out_and_says_so(tmp_path, monkeypatch):
-    monkeypatch.setattr("fenics_contact.report.sweep.states._MOST_ENTRIES", 2000)
+    monkeypatch.setattr("fenics_contact.report.page.sweep_states._MOST_ENTRIES", 2000)
     write_sweep(
         tmp_path, {INDENTATION: [0.1 * n for n in range(1, 11)]}, lambda d: hertz(d, at=line(1000))
     )
@@ -361,8 +361,8 @@ def test_what_is_larger_is_thinned_out_and_says_so(tmp_path, monkeypatch):
 
 
 def test_quantities_and_failures_of_very_many_points_are_left_out(tmp_path, monkeypatch):
-    monkeypatch.setattr("fenics_contact.report.sweep.page._MOST_CELLS", 8)
-    monkeypatch.setattr("fenics_contact.report.sweep.page._MOST_FAILURES", 1)
+    monkeypatch.setattr("fenics_contact.report.page.sweep._MOST_CELLS", 8)
+    monkeypatch.setattr("fenics_contact.report.page.sweep._MOST_FAILURES", 1)
     write_sweep(tmp_path, {INDENTATION: DEPTHS}, lambda d: "No." if d > 0.5 else hertz(d))
     page = write_sweep_page(tmp_path)
     text = Texts(page).text
@@ -409,37 +409,37 @@ def cut(path):
 
 
 DAMAGES = [
-    (lambda f: (f / "sweep.json").unlink(), "sweep.json: cannot be read: No such file"),
-    (lambda f: (f / "sweep.csv").unlink(), "sweep.csv: cannot be read: No such file"),
-    (lambda f: (f / "states.npz").unlink(), "states.npz: cannot be read: No such file"),
-    (lambda f: (f / "sweep.json").write_text("{"), "sweep.json: damaged"),
-    (lambda f: (f / "sweep.json").write_text("[" * 100_000), "sweep.json: damaged"),
-    (lambda f: (f / "sweep.json").write_bytes(b"\xff\xfe"), "sweep.json: damaged"),
-    (lambda f: (f / "sweep.json").write_text("{}"), "sweep.json: damaged: scene: Field required"),
-    (lambda f: changed(f, rows=5), "make 4 points, but `rows` is 5"),
-    (lambda f: changed(f, vary={}, rows=1), "make 1 points"),
-    (lambda f: changed(f, vary={"other": DEPTHS}), "does not name the varied keys and exit_code"),
-    (lambda f: changed(f, failures={"a": "b"}), "sweep.json: damaged: failures.a"),
-    (lambda f: (f / "sweep.csv").write_text(""), "sweep.csv: damaged: its first line"),
-    (replaced("sweep.csv", "\n0.25,", "\n0.3,"), "line 2 has contact.0.obstacle.indentation = 0.3"),
-    (replaced("sweep.csv", ",exit_code", ",exit"), "sweep.csv: damaged: its first line"),
-    (replaced("sweep.csv", "\n2.0,0,", "\n2.0,0\n2.0,0,"), "it has 5 rows"),
-    (replaced("sweep.csv", "\n2.0,0,", "\n2.0,0,,"), "line 5 is not whole"),
-    (replaced("sweep.csv", "\n2.0,0,", "\n2.0,0,x"), "could not convert"),
-    (replaced("sweep.csv", "\n2.0,0,", "\n2.0,good,"), "invalid literal"),
-    (lambda f: (f / "states.npz").write_bytes(b""), "states.npz: damaged"),
-    (lambda f: (f / "states.npz").write_bytes(b"PK\x03\x04" + bytes(50)), "states.npz: damaged"),
-    (lambda f: overwritten(f / "states.npz"), "states.npz: damaged"),
-    (lambda f: cut(f / "states.npz"), "states.npz: damaged"),
-    (arrays(gap=lambda a: None), "states.npz: damaged: it lacks 'gap'"),
-    (arrays(gap=lambda a: a[:-1]), "its arrays are not of one length"),
-    (arrays(gap=lambda a: a.astype(object)), "states.npz: damaged"),
-    (arrays(gap=lambda a: a.astype(str) + "m"), "states.npz: damaged"),
-    (arrays(point=lambda a: a + 1), "'point' has entries other than whole numbers from 0 to 3"),
-    (arrays(contact=lambda a: a - 1), "'contact' has entries other than whole numbers"),
-    (arrays(status=lambda a: a + 1), "'status' has entries other than whole numbers from 0 to 2"),
-    (arrays(point=lambda a: a + 0.5), "'point' has entries other than whole numbers"),
-    (arrays(x=lambda a: a * np.nan), "a coordinate is not a number"),
+    (lambda f: (f / "sweep.json").unlink(), "sweep_record_is_missing"),
+    (lambda f: (f / "sweep.csv").unlink(), "sweep_table_is_missing"),
+    (lambda f: (f / "states.npz").unlink(), "sweep_states_are_missing"),
+    (lambda f: (f / "sweep.json").write_text("{"), "sweep_record_is_cut"),
+    (lambda f: (f / "sweep.json").write_text("[" * 100_000), "sweep_record_is_too_deep"),
+    (lambda f: (f / "sweep.json").write_bytes(b"\xff\xfe"), "sweep_record_is_no_text"),
+    (lambda f: (f / "sweep.json").write_text("{}"), "sweep_record_is_empty"),
+    (lambda f: changed(f, rows=5), "sweep_has_other_rows"),
+    (lambda f: changed(f, vary={}, rows=1), "sweep_varies_nothing"),
+    (lambda f: changed(f, vary={"other": DEPTHS}), "sweep_table_of_other_keys"),
+    (lambda f: changed(f, failures={"a": "b"}), "sweep_failures_of_a_letter"),
+    (lambda f: (f / "sweep.csv").write_text(""), "sweep_table_of_other_keys"),
+    (replaced("sweep.csv", "\n0.25,", "\n0.3,"), "sweep_table_of_other_values"),
+    (replaced("sweep.csv", ",exit_code", ",exit"), "sweep_table_of_other_keys"),
+    (replaced("sweep.csv", "\n2.0,0,", "\n2.0,0\n2.0,0,"), "sweep_table_has_a_row_more"),
+    (replaced("sweep.csv", "\n2.0,0,", "\n2.0,0,,"), "sweep_table_is_not_whole"),
+    (replaced("sweep.csv", "\n2.0,0,", "\n2.0,0,x"), "sweep_table_has_a_letter"),
+    (replaced("sweep.csv", "\n2.0,0,", "\n2.0,good,"), "sweep_code_is_a_word"),
+    (lambda f: (f / "states.npz").write_bytes(b""), "sweep_states_are_empty"),
+    (lambda f: (f / "states.npz").write_bytes(b"PK\x03\x04" + bytes(50)), "sweep_states_no_zip"),
+    (lambda f: overwritten(f / "states.npz"), "sweep_states_are_overwritten"),
+    (lambda f: cut(f / "states.npz"), "sweep_states_no_zip"),
+    (arrays(gap=lambda a: None), "sweep_states_lack_gap"),
+    (arrays(gap=lambda a: a[:-1]), "sweep_states_of_two_lengths"),
+    (arrays(gap=lambda a: a.astype(object)), "sweep_states_of_objects"),
+    (arrays(gap=lambda a: a.astype(str) + "m"), "sweep_states_of_texts"),
+    (arrays(point=lambda a: a + 1), "sweep_states_of_another_point"),
+    (arrays(contact=lambda a: a - 1), "sweep_states_of_another_contact"),
+    (arrays(status=lambda a: a + 1), "sweep_states_of_another_status"),
+    (arrays(point=lambda a: a + 0.5), "sweep_states_of_another_point"),
+    (arrays(x=lambda a: a * np.nan), "sweep_states_have_nan"),
 ]  # fmt: skip
 
 
@@ -447,8 +447,6 @@ DAMAGES = [
 def test_files_that_are_missing_or_damaged_are_refused(damage, said, tmp_path):
     write_sweep(tmp_path, {INDENTATION: DEPTHS}, hertz)
     damage(tmp_path)
-    with pytest.raises(InputError) as found:
+    with refused(said):
         write_sweep_page(tmp_path)
-    assert said in str(found.value)
-    assert "\n" not in str(found.value)
     assert not (tmp_path / "sweep.html").exists()

@@ -13,12 +13,11 @@ from fenics_contact import Run
 from fenics_contact.report.contacts.moving import moving_curves, moving_maps
 from fenics_contact.report.drawing.fields import read_series, times_of_fields
 from fenics_contact.report.drawing.figures import new_figure, save, style
-from fenics_contact.report.drawing.frames import frame_of, numbers, save_frame
-from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.histories.load_steps import draw_history
-from fenics_contact.report.view.slider import ContactSteps, followers, slider_html
+from fenics_contact.report.drawing.picture import Picture, frame_of, numbers, save_frame
+from fenics_contact.report.load_steps import draw_history
+from fenics_contact.report.page.view_page import ContactSteps, followers, slider_html
 from fenics_contact.results.contact_points import ContactTable
-from fenics_contact.results.result_file import read_result
+from fenics_contact.results.result import read_result
 from fenics_contact.simulation.output import run_folder as files
 from tests.report.test_gallery import coarse  # noqa: F401
 from tests.scenes import box_body

@@ -8,8 +8,7 @@ from dolfinx import fem, mesh, plot
 from mpi4py import MPI
 
 from fenics_contact.common import dolfinx_versions as compat  # noqa: F401
-from fenics_contact.report.view.revolved import REVOLVED, revolved
-from fenics_contact.report.view.surface import boundary, surface_of
+from fenics_contact.report.bodies.surface import REVOLVED, boundary, revolved, surface_of
 
 pytestmark = pytest.mark.serial
 

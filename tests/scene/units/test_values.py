@@ -15,8 +15,9 @@ from fenics_contact import InputError, Load, Material, MeshSource, Obstacle, Sce
 from fenics_contact.scene.reading import load_scene, scene_of_text
 from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.units.dimensions import LENGTH, PLACE, dimension_of
-from fenics_contact.scene.units.registry import factor
+from fenics_contact.scene.units.table import factor
 from fenics_contact.scene.writing import scene_text
+from tests.messages import refused
 from tests.scene.test_schema import errors
 from tests.scenes import ROOT
 
@@ -126,29 +127,28 @@ def test_pressures_of_pounds_and_inches():
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('"210 GPa"', '"210 mm"', "material.youngs_modulus = '210 mm': 'mm' measures something "
-         "else; accepted here is a stress, as a number (in MPa) or as one number and one unit in "
-         "quotes, such as '1 MPa'"),
-        ('"1.5 kN"', '"1.5 kN/mm"', "contact[0].obstacle.force = '1.5 kN/mm': 'kN/mm' measures"),
-        ('"210 GPa"', '"210 Gpa"', "'Gpa' is no unit that is known"),
-        ('"210 GPa"', '"2*105 GPa"', "must be one number and one unit"),
-        ('"210 GPa"', '"210 GPa + 1 MPa"', "must be one number and one unit"),
-        ('"210 GPa"', '"21e1000 GPa"', "must be one number and one unit"),
-        ('"210 GPa"', '"21e300 GPa"', "must be a finite number, and 0 or of a size between"),
-        ('"210 GPa"', '"-210 GPa"', "material: youngs_modulus = -210000 must be greater than 0"),
-        ('"8mm"', '"-8 mm"', "contact[0].obstacle: radius = -8.0: must be greater than 0"),
-        ('"210 GPa"', '"210 °C"', "must be one number and one unit"),
-        ('"210 GPa"', '"210 degC"', "'degC' measures something else"),
-        ("0.3\n", '"0.3 mm"\n', "material.poissons_ratio = '0.3 mm': must be a number"),
-        ('length = "mm"', 'length = "kg"', "length = 'kg': must be a unit of length, such as 'mm'"),
-        ('length = "mm"', 'length = "2 mm"', "units: length = '2 mm': must be a unit of length"),
-        ('force = "N"\n', "", "the key 'units.force' is missing"),
+        ('"210 GPa"', '"210 mm"', "youngs_modulus_in_mm"),
+        ('"1.5 kN"', '"1.5 kN/mm"', "force_in_kn_per_mm"),
+        ('"210 GPa"', '"210 Gpa"', "unit_is_not_known"),
+        ('"210 GPa"', '"2*105 GPa"', "unit_with_a_product"),
+        ('"210 GPa"', '"210 GPa + 1 MPa"', "unit_with_a_sum"),
+        ('"210 GPa"', '"21e1000 GPa"', "unit_of_a_huge_number"),
+        ('"210 GPa"', '"21e300 GPa"', "value_is_huge"),
+        ('"210 GPa"', '"-210 GPa"', "youngs_modulus_with_unit_is_negative"),
+        ('"8mm"', '"-8 mm"', "radius_with_unit_is_negative"),
+        ('"210 GPa"', '"210 °C"', "unit_of_degrees"),
+        ('"210 GPa"', '"210 degC"', "unit_of_temperature"),
+        ("0.3\n", '"0.3 mm"\n', "poissons_ratio_in_mm"),
+        ('length = "mm"', 'length = "kg"', "unit_of_length_is_kg"),
+        ('length = "mm"', 'length = "2 mm"', "unit_of_length_is_2_mm"),
+        ('force = "N"\n', "", "unit_of_force_is_missing"),
     ],
 )  # fmt: skip
 def test_what_is_refused_and_what_is_said(old, new, said):
     text = WRITTEN + TABLE
     assert old in text
-    assert said in refusal(text.replace(old, new, 1))
+    with refused(said):
+        read(text.replace(old, new, 1))
 
 
 @pytest.mark.parametrize(
@@ -162,8 +162,8 @@ def test_nothing_is_computed_of_a_text(text):
 
 
 def test_without_the_table_a_unit_is_refused_and_numbers_are_as_ever():
-    said = refusal(WRITTEN)
-    assert "a value with a unit needs the scene's own units, such as [units]" in said
+    with refused("unit_without_units_in_file"):
+        read(WRITTEN)
     code = (
         "import sys; from fenics_contact import load_scene\n"
         f"load_scene({str(ROOT / 'demos' / 'slab.toml')!r}); assert 'pint' not in sys.modules"
@@ -181,9 +181,8 @@ def test_forces_of_plane_models_are_per_length():
         obstacle = { shape = "cylinder", radius = 1, force = "3 kN/m" }
     """
     assert read(text + TABLE).contact[0].obstacle.force == 3.0
-    assert "accepted here is a force per length, as a number (in N/mm)" in refusal(
-        (text + TABLE).replace("kN/m", "kN")
-    )
+    with refused("force_of_plane_model_in_kn"):
+        read((text + TABLE).replace("kN/m", "kN"))
     stressed = text.replace("strain", "stress") + TABLE
     assert read(stressed).contact[0].obstacle.force == 3.0
     thick = stressed.replace("mesh =", 'thickness = "2 cm"\nmesh =', 1)
@@ -193,8 +192,8 @@ def test_forces_of_plane_models_are_per_length():
 def test_step_files_are_in_mm():
     text = WRITTEN.replace("a.geo", "a.STEP")
     assert read(text + TABLE).mesh[0].file == "a.STEP"
-    said = refusal(text + TABLE.replace('"mm"', '"m"'))
-    assert "'a.STEP' is read in mm, as every STEP file is, so that length must be 'mm'" in said
+    with refused("step_file_in_m"):
+        read(text + TABLE.replace('"mm"', '"m"'))
 
 
 def test_settings_and_python_take_units_too():
@@ -210,16 +209,16 @@ def test_settings_and_python_take_units_too():
     made = Scene(**parts, units=Units("m", "N"))
     assert made.material[0].youngs_modulus == 210e9 and made.mesh[0].size == 0.008
     assert made.load[0].traction == (1000.0, 0.0, 0.0)
-    with pytest.raises(InputError, match=r"Scene: material.youngs_modulus = '210 GPa': a value"):
+    with refused("unit_without_units"):
         Scene(**parts)
-    with pytest.raises(InputError, match=r"material: youngs_modulus = -1 must be greater than 0"):
+    with refused("youngs_modulus_is_negative"):
         Scene(**parts | {"material": Material("-1 Pa", 0.3)}, units=Units("m", "N"))
 
 
 def test_checks_of_a_part_wait_until_its_values_are_numbers():
     ring = Obstacle(shape="annular punch", radius="1 cm", inner_radius="2 mm")
     assert ring.shape == "annular punch"
-    with pytest.raises(InputError, match="radius is missing"):
+    with refused("sphere_without_radius"):
         Obstacle(shape="sphere")
 
 
@@ -254,7 +253,7 @@ def test_densities_in_any_unit_are_masses_by_force_length_and_seconds():
     parts = {"kinematics": "3D", "material": Material(1.0, 0.3, density="7850 kg/m³")}
     made = Scene(**parts, units=Units("mm", "N"))
     assert made.material[0].density == pytest.approx(7.85e-9, rel=1e-14)
-    with pytest.raises(InputError, match=r"accepted here is a mass/volume, .* \(in N·s²/m⁴\)"):
+    with refused("density_in_kg"):
         Scene(
             kinematics="3D",
             material=Material(1.0, 0.3, density="7850 kg"),
@@ -272,5 +271,5 @@ def test_damping_in_units_of_time_and_of_its_inverse():
     )
     rayleigh = scene_of_text(text + TABLE, Path("own.toml")).stability.rayleigh
     assert (rayleigh.stiffness, rayleigh.mass) == (pytest.approx(2e-4), pytest.approx(3.0))
-    with pytest.raises(InputError, match=r"rayleigh: stiffness = -0\.0002: must be"):
+    with refused("rayleigh_stiffness_is_negative"):
         scene_of_text(text.replace("0.2 ms", "-0.2 ms") + TABLE, Path("own.toml"))

@@ -10,7 +10,6 @@ from fenics_contact import (
     Contact,
     Cycles,
     Discretisation,
-    InputError,
     Load,
     Material,
     MicroSlipFriction,
@@ -29,12 +28,13 @@ from fenics_contact import (
     load_scene,
     run,
 )
-from fenics_contact.contact.last_step import LastStep
-from fenics_contact.results.cycle_losses import cycles_record
-from fenics_contact.results.words.tables import cycle_rows, cycle_words
+from fenics_contact.contact.state import LastStep
+from fenics_contact.results.load_history import cycles_record
+from fenics_contact.results.tables import cycle_rows, cycle_words
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.writing import scene_text
 from fenics_contact.simulation.output.run_folder import solve_and_write
+from tests.messages import refused
 from tests.scenes import box_body
 
 # A bar on a rigid plane that holds it along its length by up to τ, pulled to and fro at its end.
@@ -327,31 +327,25 @@ def test_friction_that_goes_on_weakening_closes_no_loop():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"cycles": Cycles(begin=2, end=5)}, r"load\[0\].path gives 0 at begin, 2, and 1 at end"),
-        ({"cycles": Cycles(begin=5, end=9)}, "no path changes between begin, 5, and end, 9"),
+        ({"cycles": Cycles(begin=2, end=5)}, "cycles_do_not_come_back"),
+        ({"cycles": Cycles(begin=5, end=9)}, "nothing_changes_in_cycles"),
         (
             {"load": (Load("x1", traction=(1, 0), path=Path((0, 1, 2), (0, 1, 0), 2)),)},
-            r"load\[0\].path has cycles, too",
+            "cycles_twice",
         ),
-        (
-            {"contact": (dataclasses.replace(BAR.contact[0], law="static"),)},
-            r"contact\[0\].law = 'static' goes back the way it came",
-        ),
-        ({"cycles": Cycles(begin=1, end=5)}, "needs two load steps at least"),
-        (
-            {"cycles": Cycles(begin=1, end=5, number=100_000, increments=11)},
-            "cycles: number × increments must be at most 1000000 load steps",
-        ),
+        ({"contact": (dataclasses.replace(BAR.contact[0], law="static"),)}, "cycles_of_static_law"),
+        ({"cycles": Cycles(begin=1, end=5)}, "cycle_of_one_step"),
+        ({"cycles": Cycles(begin=1, end=5, number=100_000, increments=11)}, "too_many_cycles"),
         (
             {"preload": (Preload("body", (1, 0), 1, locked_from=3),), "steps": Steps(3, 3)},
-            r"locked_from = 3 must be at begin, 1, or before",
+            "locked_late",
         ),
     ],
 )
 def test_cycles_that_make_no_sense_are_refused(change, said):
-    with pytest.raises(InputError, match=said):
+    with refused(said):
         dataclasses.replace(BAR, **change)
-    with pytest.raises(InputError, match=r"begin = 5 must be less than end = 5"):
+    with refused("cycles_begin_at_their_end"):
         Cycles(begin=5, end=5)
 
 
@@ -367,7 +361,7 @@ def test_what_is_held_or_smooth_has_cycles_from_the_start():
     )
     assert scene.load_steps.last == 80
     moved = dataclasses.replace(held, indentation=0.1)
-    with pytest.raises(InputError, match=r"contact\[0\].obstacle.path gives 0 at begin"):
+    with refused("cycles_of_obstacle_do_not_come_back_at_4"):
         dataclasses.replace(scene, contact=(Contact("y1", obstacle=moved),))
 
 

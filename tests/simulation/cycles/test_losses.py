@@ -7,12 +7,12 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Run, SolverSettings, run
-from fenics_contact.problem.loads.given_load import Disturbance
-from fenics_contact.results.words.tables import cycle_rows
+from fenics_contact.problem.loads.disturbance import Disturbance
+from fenics_contact.results.tables import cycle_rows
 from fenics_contact.scene.quantity_names import LossOfCycle
 from fenics_contact.scene.values import Repetition
 from fenics_contact.simulation.output.run_folder import solve_and_write
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.state_file import StateFile
 from fenics_contact.trust.error_estimates.measured import OfCycles, without_losses
 from tests.scenes import box_body
 from tests.simulation.cycles.test_cycles import (

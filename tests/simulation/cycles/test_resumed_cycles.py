@@ -7,9 +7,9 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Cycles, Path, Run, Steps
-from fenics_contact.results.words.tables import cycle_rows
+from fenics_contact.results.tables import cycle_rows
 from fenics_contact.simulation.output.run_folder import solve_and_write
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.state_file import StateFile
 from tests.simulation.cycles.test_cycles import BAR, bar_body, of_the_bar, with_cycles
 
 __all__ = ["of_the_bar"]

@@ -1,5 +1,7 @@
 """Surfaces that give way by a power of the depth, under a block that hits them."""
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -16,13 +18,14 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.impacts import along
+from fenics_contact.verification.published.impacts import along
 
 COEFFICIENT, POWER, SPEED = 4e3, 2, 0.5
 # Where ½ m v² = A c d³/3, of a block of mass and area 1.
 DEPTH = (1.5 * SPEED**2 / COEFFICIENT) ** (1 / 3)
 
 
+@functools.cache
 def hit(steps):
     """A stiff block, which comes back within .3."""
     law = NormalCompliance("normal compliance", COEFFICIENT, POWER)

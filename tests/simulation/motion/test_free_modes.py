@@ -8,7 +8,6 @@ import pytest
 from fenics_contact import (
     Contact,
     Discretisation,
-    InputError,
     Load,
     Material,
     Motion,
@@ -21,7 +20,7 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.impacts import (
+from fenics_contact.verification.published.impacts import (
     along,
     ball_scene,
     bar_on_wall,
@@ -29,6 +28,7 @@ from fenics_contact.verification.impacts import (
     resting_scene,
     times_of,
 )
+from tests.messages import refused
 from tests.scenes import box_body
 
 ALWAYS = Path(time=(0.0,), factor=(1.0,))
@@ -87,7 +87,7 @@ def test_a_free_body_flies_on_a_parabola(degree):
 
 def test_a_ball_is_pressed_as_its_static_answer_says():
     """Of m d'' = −F(d), with F of its own static answer."""
-    found = solved(ball_scene(200, modes=10))
+    found = solved(ball_scene(100, modes=10))
     energy = found.steps[0].quantities["kinetic_energy"]
     greatest = force_that_stops(solved(resting_scene()), energy)
     assert along(found, "normal_force").max() == pytest.approx(greatest, rel=5e-3)
@@ -105,7 +105,7 @@ def test_two_bodies_between_which_a_spring_acts_change_their_momenta(dimension):
         material=Material(1e3, 0.3, density=1.0),
         discretisation=Discretisation(1),
         contact=(Contact("left.x1", against="right.x0", penalty_parameter=softness),),
-        motion=Motion(step=5e-3, end=1.5, velocity={"left": (0.01, *(0.0,) * (dimension - 1))}),
+        motion=Motion(step=1e-2, end=0.8, velocity={"left": (0.01, *(0.0,) * (dimension - 1))}),
     )
     kind = "quadrilateral" if dimension == 2 else "hexahedron"
     body = boxes([Box("left", low, high, cells), Box("right", *other, cells)], cell=kind)
@@ -157,7 +157,7 @@ def test_a_block_that_rests_does_not_begin_to_move():
 
 def test_as_many_modes_as_an_accuracy_needs():
     """What all that the mesh has does is no farther off than estimated."""
-    scene = ball_scene(100)
+    scene = ball_scene(50)
     whole = along(solved(scene), "normal_force")
     found = solved(in_modes(scene, "automatic", accuracy=1e-2))
     assert found.model.free_modes == 10 and 0 < found.model.free_modes_error <= 1e-2
@@ -204,15 +204,15 @@ def test_pressures_of_bodies_that_hardly_change_their_volume(poisson):
 
 def test_too_many_modes_of_few_nodes():
     scene, body = bar_on_wall(10, 1.0)
-    with pytest.raises(InputError, match=r"motion\.modes\.number = 30: .* at most 11"):
+    with refused("too_many_modes_of_motion"):
         Run(in_modes(scene, 30), body=body).solve()
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"absorbing": ("bar.x1",)}, "motion.modes: not beside motion.absorbing"),
-        ({}, r"motion.modes: not beside contact\[0\] with friction"),
+        ({"absorbing": ("bar.x1",)}, "motion_modes_beside_absorbing"),
+        ({}, "motion_modes_beside_friction"),
     ],
 )
 def test_what_modes_cannot_have_yet(change, words):
@@ -221,5 +221,5 @@ def test_what_modes_cannot_have_yet(change, words):
     contact = scene.contact
     if not change:
         contact = (dataclasses.replace(contact[0], friction_coefficient=0.3, law="incremental"),)
-    with pytest.raises(ValueError, match=words):
+    with refused(words, ValueError):
         dataclasses.replace(scene, motion=motion, contact=contact)

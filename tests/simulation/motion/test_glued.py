@@ -20,7 +20,7 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.impacts import along, times_of
+from fenics_contact.verification.published.impacts import along, times_of
 
 # A bar of length 10, fixed at one end, with waves of speed 10, pulled at the other from time 0 on.
 LENGTH, YOUNG, PULL = 10.0, 100.0, 1.0
@@ -39,7 +39,7 @@ def pulled_bar(degree, glued=True):
         load=(Load("right.x1", traction=(PULL, 0.0), path=ALWAYS),),
         contact=(Contact("right.x0", against="left.x1", contact="bonded"),) if glued else (),
         point=(Point(name="end", at=(LENGTH, 0.5)),),
-        motion=Motion(step=0.01, end=4.0),
+        motion=Motion(step=0.02, end=4.0),
     )
     parts = (
         Box("left", (0, 0), (4, 1), (8, 2)),

@@ -21,7 +21,7 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.verification.boxes import Box, boxes
-from fenics_contact.verification.impacts import (
+from fenics_contact.verification.published.impacts import (
     along,
     bar_on_wall,
     force_of_wave,
@@ -31,7 +31,7 @@ from fenics_contact.verification.impacts import (
     touching,
     worst_defect,
 )
-from fenics_contact.verification.sliding import (
+from fenics_contact.verification.published.sliding import (
     LARGEST_FRICTION,
     oscillator,
     period_of,

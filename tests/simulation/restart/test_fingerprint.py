@@ -27,7 +27,7 @@ from fenics_contact import (
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.values import Number, scene_class
-from fenics_contact.simulation.restart import fingerprint
+from fenics_contact.simulation import fingerprint
 from tests.scenes import box_body
 
 WEAKENING = SlipDependentFriction("slip dependent", slips=(0, 1), shares=(1, 0.5))

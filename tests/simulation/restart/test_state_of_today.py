@@ -12,7 +12,6 @@ from fenics_contact import (
     Cycles,
     Discretisation,
     HalfSpace,
-    InputError,
     Load,
     Material,
     MicroSlipFriction,
@@ -32,9 +31,10 @@ from fenics_contact import (
     Wear,
     load_scene,
 )
-from fenics_contact.simulation.restart import fingerprint
-from fenics_contact.simulation.restart.complete_tables import keys_in_format_1
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation import fingerprint
+from fenics_contact.simulation.fingerprint import keys_in_format_1
+from fenics_contact.simulation.state_file import StateFile
+from tests.messages import refused
 from tests.scenes import ROOT, box_body
 from tests.solve.load_steps.histories import require_same
 
@@ -89,7 +89,9 @@ def test_it_is_gone_on_from():
     assert saved is not None and len(saved.steps) == 2
     found = run.solve(saved=saved, announce=silent)
     assert len(found.steps) == 3 and whole.quantities["worn_volume"] > 0
-    require_same(found, whole)
+    # The first step's regularisation follows from pressures that are found under glue today: its
+    # work of creep, 3e-5 of all, differs by .5 % from that of the file.
+    require_same(found, whole, 1e-6)
 
 
 def test_tables_have_the_fingerprints_of_then():
@@ -101,9 +103,9 @@ def test_tables_have_the_fingerprints_of_then():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"friction_law": None}, "contact differ"),
-        ({"interference": 0.0}, "contact differ"),
-        ({"wear": Wear(2e-3, share=0.5)}, "contact differ"),
+        ({"friction_law": None}, "resume_with_another_contact"),
+        ({"interference": 0.0}, "resume_with_another_contact"),
+        ({"wear": Wear(2e-3, share=0.5)}, "resume_with_another_contact"),
     ],
 )
 def test_it_is_refused_for_another_scene(change, words):
@@ -112,5 +114,5 @@ def test_it_is_refused_for_another_scene(change, words):
     changed = dataclasses.replace(
         scene, contact=(first, dataclasses.replace(second, **change)), steps=LONGER
     )
-    with pytest.raises(InputError, match=words):
+    with refused(words):
         StateFile(FOLDER, Run(changed, COMM).problem).load()

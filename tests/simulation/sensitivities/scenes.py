@@ -27,7 +27,7 @@ from fenics_contact import (
     SlipDependentFriction,
     Steps,
 )
-from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.simulation.sensitivities.scene_values import with_changes
 from tests.scenes import box_body
 from tests.simulation.studies.cases import (
     BALL,

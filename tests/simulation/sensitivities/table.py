@@ -5,8 +5,7 @@ import dataclasses
 import numpy as np
 
 from fenics_contact import Study
-from fenics_contact.simulation.sensitivities.values import found_in
-from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.simulation.sensitivities.scene_values import found_in, with_changes
 from tests.simulation.sensitivities.scenes import TABLE
 
 # Of a run's quantities: what Newton's method leaves of forces.

@@ -15,8 +15,8 @@ from fenics_contact.common.parallel import largest
 from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.rows_of_body import prescribed
-from fenics_contact.solve.systems.system import BodyAnswer
-from fenics_contact.trust.checks.run_checks import all_checks
+from fenics_contact.solve.systems.solution import BodyAnswer
+from fenics_contact.trust.run_checks import all_checks
 from tests.simulation.studies.cases import CASES
 
 COMM = MPI.COMM_WORLD

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fenics_contact import Steps, Study
-from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.simulation.sensitivities.scene_values import with_changes
 from tests.preload.joints import joint
 from tests.scenes import box_body
 from tests.simulation.sensitivities.test_derivatives import E

@@ -10,7 +10,6 @@ from mpi4py import MPI
 from fenics_contact import (
     Contact,
     HalfSpace,
-    InputError,
     Material,
     Obstacle,
     Scene,
@@ -23,6 +22,7 @@ from fenics_contact import (
 from fenics_contact.common import form_cache
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.studies import warm_start
+from tests.messages import refused
 from tests.scenes import ROOT, box_body, slab
 from tests.simulation.studies.cases import CASES, DEPTH, MU, ON_A_FLOOR, of_contact, square
 from tests.solve.load_steps.histories import block, dragged, shoved, two_blocks
@@ -100,7 +100,7 @@ def test_a_whole_scene_may_stand_for_its_changes():
     found, expected = study.solve(study.changed({MU: 0.35})), study.solve({MU: 0.35})
     require_same(found, expected)
     assert study.factorisations == 1
-    with pytest.raises(InputError, match="a study keeps one mesh"):
+    with refused("study_with_accuracy"):
         study.solve(dataclasses.replace(ON_A_FLOOR, accuracy=0.01))
 
 
@@ -144,19 +144,18 @@ def test_a_table_that_stands_alone_may_be_counted(key):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"contact.0.friction": 1}, "change of contact.0.friction: there is no such key"),
-        ({"contact.1.pressure": 1}, "contact.1: '1' must be a number from 0 to 0"),
-        ({"contact.x.pressure": 1}, "contact.x: there is no such key"),
-        ({MU: -1}, "change of contact.0.friction_coefficient: Contact: "),
-        ({"title.0": 1}, "change of title.0: 'title' is not a table"),
-        ({"contact.0": ON_A_FLOOR.contact[0], MU: 1}, "another change is of a part of it"),
-        ({"accuracy": 0.01}, "a study keeps one mesh"),
+        ({"contact.0.friction": 1}, "change_of_unknown_key"),
+        ({"contact.1.pressure": 1}, "change_of_contact_1"),
+        ({"contact.x.pressure": 1}, "change_of_contact_x"),
+        ({MU: -1}, "change_to_negative_friction"),
+        ({"title.0": 1}, "change_of_a_letter_of_the_title"),
+        ({"contact.0": ON_A_FLOOR.contact[0], MU: 1}, "change_of_a_part_and_of_all"),
+        ({"accuracy": 0.01}, "study_with_accuracy"),
     ],
 )
 def test_a_change_that_cannot_be_is_refused_in_one_sentence(changes, said):
-    with pytest.raises(InputError, match=re.escape(said)) as caught:
+    with refused(said):
         Study(ON_A_FLOOR, COMM, square()).solve(changes)
-    assert "\n" not in str(caught.value)
 
 
 def require_same_answer(found, expected):

@@ -2,15 +2,15 @@
 
 import pytest
 
-from fenics_contact.simulation.sweeps.points import Group
-from fenics_contact.simulation.sweeps.sharing import Shares
+from fenics_contact.simulation.sweeps.leader import Shares
+from fenics_contact.simulation.sweeps.points import PointGroup
 
 
 def groups(*sizes, meshes=None):
     found, first = [], 0
     for number, size in enumerate(sizes):
         mesh = meshes[number] if meshes else f"m{number}"
-        found.append(Group(mesh, tuple(range(first, first + size))))
+        found.append(PointGroup(mesh, tuple(range(first, first + size))))
         first += size
     return found
 

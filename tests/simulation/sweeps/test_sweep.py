@@ -4,7 +4,6 @@ import dataclasses
 import json
 import logging
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -12,16 +11,17 @@ import sys
 import numpy as np
 import pytest
 
-from fenics_contact import InputError, load_scene, main, run
+from fenics_contact import load_scene, main, run
 from fenics_contact.common.errors import MachineError, StoppedError
 from fenics_contact.scene.reading import SceneFile
 from fenics_contact.simulation.output import journal_file
-from fenics_contact.simulation.output.folder_lock import FolderLock
+from fenics_contact.simulation.output.journal_file import FolderLock
 from fenics_contact.simulation.sweeps import journal, leader
 from fenics_contact.simulation.sweeps.journal import Done
 from fenics_contact.simulation.sweeps.processes import DiedError
 from fenics_contact.simulation.sweeps.rows import row_of
 from fenics_contact.simulation.sweeps.sweep import Sweep
+from tests.messages import refused
 from tests.scenes import ROOT
 from tests.simulation.sweeps.inline import (
     MU,
@@ -90,7 +90,7 @@ def test_the_table_has_a_row_for_each_point_as_run_gives_it(scene, tmp_path):
 _HOLDS = """
 import sys, time
 from pathlib import Path
-from fenics_contact.simulation.output.folder_lock import FolderLock
+from fenics_contact.simulation.output.journal_file import FolderLock
 lock = FolderLock(Path(sys.argv[1]))
 lock.take()
 print("held", flush=True)
@@ -107,9 +107,8 @@ def test_a_folder_has_one_sweep_at_a_time(scene, tmp_path):
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout.readline() == "held\n"
         for resume in (False, True):
-            with pytest.raises(InputError, match="run, sweep or fit is at work there") as caught:
+            with refused("another_run_is_at_work"):
                 swept(scene, [f"{MU}=0.2,0.3,0.4"], out, resume=resume)
-            assert "\n" not in str(caught.value)
         assert {path.name: path.read_bytes() for path in out.iterdir()} == before
         other.kill()
     _, solved = swept(scene, [f"{MU}=0.2,0.3,0.4"], out, resume=True)
@@ -128,7 +127,7 @@ def test_of_two_sweeps_that_begin_at_once_one_has_the_folder(scene, tmp_path, mo
 
     with monkeypatch.context() as meanwhile:
         meanwhile.setattr(journal_file, "make_folder", make_folder)
-        with pytest.raises(InputError, match="run, sweep or fit is at work there"):
+        with refused("another_run_is_at_work"):
             swept(scene, [f"{MU}=0.2"], out)
     assert not list(out.iterdir())
     other.give_up()
@@ -232,17 +231,16 @@ def test_the_exit_code_is_that_of_the_largest_concern(codes, code, scene, tmp_pa
 @pytest.mark.parametrize(
     ("vary", "said"),
     [
-        (["contact.0.friction=1,2"], "unknown key"),
-        ([f"{MU}=-1,-2"], "must be ≥ 0"),
-        (["contact.1.pressure=1,2"], "--vary contact.1.pressure=1: '1' must be a number from 0"),
-        (["mesh.parameters.cells_alon=1,2"], "defines no such constant"),
-        (["contact.0.on=above,below"], "no such physical group"),
+        (["contact.0.friction=1,2"], "vary_unknown_key"),
+        ([f"{MU}=-1,-2"], "vary_to_negative_friction"),
+        (["contact.1.pressure=1,2"], "vary_contact_1"),
+        (["mesh.parameters.cells_alon=1,2"], "vary_no_such_constant"),
+        (["contact.0.on=above,below"], "vary_to_no_group"),
     ],
 )
 def test_what_is_refused_at_every_point_is_one_sentence(vary, said, scene, tmp_path):
-    with pytest.raises(InputError, match=re.escape(said)) as caught:
+    with refused(said):
         swept(scene, vary, tmp_path / "out")
-    assert "\n" not in str(caught.value)
     assert not (tmp_path / "out").exists()
 
 
@@ -331,7 +329,7 @@ def test_processes_that_die_one_after_the_other_end_it(scene, tmp_path, monkeypa
         raise DiedError("it was killed")
 
     monkeypatch.setattr(InlineProcess, "hear", dying)
-    with pytest.raises(MachineError, match="3 processes of the sweep have died one after the"):
+    with refused("processes_of_sweep_died", MachineError):
         swept(scene, [f"{MU}=0.1:0.5:5"], tmp_path / "out")
     codes = [row["exit_code"] for row in rows_of(tmp_path / "out")]
     assert codes == ["5", "5", "5", "130", "130"]
@@ -360,11 +358,11 @@ def test_memory_has_room_for_so_many_processes(free, started, scene, tmp_path, m
 
 
 def test_where_no_process_starts_it_is_said(scene, tmp_path, monkeypatch):
-    def refused(folder):
+    def none(folder):
         raise OSError("no room for another process")
 
-    monkeypatch.setattr(leader, "WorkerProcess", refused)
-    with pytest.raises(MachineError, match="a process cannot be started: no room"):
+    monkeypatch.setattr(leader, "WorkerProcess", none)
+    with refused("no_process_starts", MachineError):
         swept(scene, [f"{MU}=0.1,0.2"], tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -396,11 +394,11 @@ def damaged(scene, out, monkeypatch):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (changed_scene, "is of another sweep, or its scene or mesh has changed since"),
-        (changed_mesh, "is of another sweep, or its scene or mesh has changed since"),
-        (other_version, "was written with another version of dolfinx"),
-        (no_journal, "is damaged, or no journal of a sweep"),
-        (damaged, "is damaged"),
+        (changed_scene, "resume_of_another_sweep"),
+        (changed_mesh, "resume_of_another_sweep"),
+        (other_version, "resume_sweep_of_another_dolfinx"),
+        (no_journal, "resume_of_a_damaged_journal"),
+        (damaged, "resume_of_a_damaged_journal"),
     ],
 )
 def test_what_is_of_another_sweep_is_not_resumed(change, said, scene, tmp_path, monkeypatch):
@@ -411,16 +409,15 @@ def test_what_is_of_another_sweep_is_not_resumed(change, said, scene, tmp_path, 
     swept(scene, [f"{MU}=0.2"], out)
     change(scene, out, monkeypatch)
     before = {path.name: path.read_bytes() for path in out.iterdir()}
-    with pytest.raises(InputError, match=said) as caught:
+    with refused(said):
         swept(scene, [f"{MU}=0.2"], out, resume=True)
-    assert "\n" not in str(caught.value)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
 def test_other_values_are_another_sweep(scene, tmp_path):
     swept(scene, [f"{MU}=0.2,0.3"], tmp_path / "out")
     for vary in ([f"{MU}=0.2"], [f"{LOAD}=-300,-100"]):
-        with pytest.raises(InputError, match="is of another sweep"):
+        with refused("resume_of_another_sweep"):
             swept(scene, vary, tmp_path / "out", resume=True)
 
 

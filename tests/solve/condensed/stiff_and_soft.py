@@ -4,7 +4,7 @@ from mpi4py import MPI
 
 from fenics_contact.solve.condensed import tangent
 from fenics_contact.solve.condensed.split_solver import SplitSolver
-from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.condensed.tangent import UnknownsTangent
 
 COMM = MPI.COMM_WORLD
 
@@ -26,14 +26,14 @@ class Split:
             self.factorised += 1
             return plain_factors(solver)
 
-        def solve(solver, right):
-            found = plain_solve(solver, right)
+        def solve(solver, right, *left):
+            found = plain_solve(solver, right, *left)
             self.solved.append(found is not None)
             return found
 
         monkeypatch.setattr(tangent, "_FEW", -1)
-        monkeypatch.setattr(ContactTangent, "_is_short", False)  # also where S⁻¹ is known
-        monkeypatch.setattr(ContactTangent, "_is_shorter", lambda tangent, soft: True)
+        monkeypatch.setattr(UnknownsTangent, "_is_short", False)  # also where S⁻¹ is known
+        monkeypatch.setattr(UnknownsTangent, "_is_shorter", lambda tangent, soft: True)
         monkeypatch.setattr(SplitSolver, "factorise", factorise)
         monkeypatch.setattr(SplitSolver, "solve", solve)
 

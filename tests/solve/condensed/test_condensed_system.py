@@ -25,13 +25,14 @@ from fenics_contact import (
 from fenics_contact.common import mumps
 from fenics_contact.common.errors import MachineError
 from fenics_contact.common.timings import Timings
-from fenics_contact.solve.condensed.bulk import part_factors
-from fenics_contact.solve.condensed.bulk.rank_stiffness import LocalStiffness
-from fenics_contact.solve.condensed.bulk.schur import CondensedBulk
+from fenics_contact.solve.condensed import part_factors
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
-from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.condensed.schur import CondensedBulk
+from fenics_contact.solve.condensed.tangent import UnknownsTangent
+from fenics_contact.solve.systems.rank_stiffness import LocalStiffness
+from tests.messages import refused
 from tests.scenes import box_body, with_solver
 from tests.solve.condensed.stiff_and_soft import Split
 from tests.solve.same_answer import require_same, solved
@@ -328,19 +329,19 @@ def test_tangent_against_a_plain_solve(free, stiffness, derived, is_large, monke
     rows = random.normal(size=(derived, 12))
     every = np.vstack([np.eye(13), np.hstack([rows, np.zeros((derived, 1))])])
     constant = ConstantTangent(schur.copy(), columns, np.array([1.0]), rows)
-    tangent = ContactTangent(constant, np.arange(12) // 3)
+    tangent = UnknownsTangent(constant, np.arange(12) // 3)
     whole = np.zeros((13, 13))
     whole[:12, :12], whole[:12, 12:], whole[12, 12] = schur, columns, 1.0
     for active in (range(4), range(12), range(5, 9), [2, 3, *range(13, 13 + derived)]):
         spring = np.zeros((13 + derived, 13 + derived))
         part = random.normal(size=(len(active), len(active)))
         spring[np.ix_(active, active)] = stiffness * (part @ part.T)
-        tangent.set(*find(spring))
+        tangent.set(find(spring))
         spring = every.T @ spring @ every
         right = random.normal(size=13)
         found = tangent.solve(right)
         # A derived jump is a difference of displacements, which a stiff spring nearly cancels.
-        lost = 1e-15 * tangent.magnitude(found) if derived else 0.0
+        lost = 1e-15 * tangent.magnitude(np.abs(found)) if derived else 0.0
         expected = pytest.approx((whole + spring) @ found, rel=1e-9, abs=lost)
         assert tangent.multiply(found) == expected
         for matrix, answer in (
@@ -357,14 +358,14 @@ def test_a_compliance_that_an_earlier_answer_found_is_used_at_once():
     root, none = random.normal(size=(450, 450)), np.zeros((0, 450))
     schur = root @ root.T + 450 * np.eye(450)
     constant = ConstantTangent(schur.copy(), none.T.copy(), np.zeros(0), none)
-    first = ContactTangent(constant, np.arange(450) // 3)
+    first = UnknownsTangent(constant, np.arange(450) // 3)
     assert not constant.of_schur.knows_compliance
     assert first.compliance is not None
     later = ConstantTangent(constant.schur, none.T.copy(), np.zeros(0), none, constant.of_schur)
-    tangent = ContactTangent(later, np.arange(450) // 3)
+    tangent = UnknownsTangent(later, np.arange(450) // 3)
     spring = np.zeros((450, 450))
     spring[range(9), range(9)] = 1e7
-    tangent.set(*find(spring))
+    tangent.set(find(spring))
     right = random.normal(size=450)
     found = tangent.solve(right)
     np.testing.assert_allclose(found, np.linalg.solve(schur + spring, right), rtol=1e-8, atol=1e-14)
@@ -374,8 +375,8 @@ def test_a_compliance_that_an_earlier_answer_found_is_used_at_once():
 def test_singular_tangent_is_no_number_instead_of_a_wrong_one():
     none = np.zeros((0, 2))
     constant = ConstantTangent(np.diag([1.0, 0.0]), none.T.copy(), np.zeros(0), none)
-    tangent = ContactTangent(constant, np.zeros(2, dtype=np.int64))
-    tangent.set(*find(np.zeros((2, 2))))
+    tangent = UnknownsTangent(constant, np.zeros(2, dtype=np.int64))
+    tangent.set(find(np.zeros((2, 2))))
     assert np.isnan(tangent.solve(np.ones(2))).all()
 
 
@@ -406,7 +407,7 @@ def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
         monkeypatch.setattr(part_factors, "_of_mumps", without_memory)
         monkeypatch.setattr(mumps, "SPARE_WORKSPACE", (-90, -80))
     scene = with_solver(pressed(), solver="condensed")
-    with pytest.raises(MachineError, match="MUMPS"):
+    with refused("mumps_out_of_memory", MachineError):
         Run(scene, COMM, box_body((40, 40), (1, 1))).solve()
 
 

@@ -21,7 +21,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.common.parallel import on_root
-from fenics_contact.simulation.restart.state_file import StateFile
+from fenics_contact.simulation.state_file import StateFile
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 from tests.solve.load_steps.histories import require_same

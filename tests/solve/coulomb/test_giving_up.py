@@ -18,10 +18,9 @@ def pressed(coefficient, strategy):
     return run(dataclasses.replace(scene, contact=(rough,), steps=Steps(STEPS), solver=solver))
 
 
-@pytest.mark.parametrize("coefficient", [100.0, 1e4])
-def test_a_surface_that_sticks_takes_few_newton_steps(coefficient):
+def test_a_surface_that_sticks_takes_few_newton_steps():
     """Up to 250 a load step before; the loop that has no such steps finds the same."""
-    found, other = (pressed(coefficient, way) for way in ("auto", "lagged"))
+    found, other = (pressed(1e4, way) for way in ("auto", "lagged"))
     assert max(step["newton_iterations"] for step in found.steps) <= MOST
     for name in ("normal_force", "max_contact_pressure", "strain_energy"):
         assert found.quantities[name] == pytest.approx(other.quantities[name], rel=1e-5)

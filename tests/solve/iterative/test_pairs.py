@@ -5,7 +5,6 @@ from itertools import product
 
 import numpy as np
 import pytest
-from dolfinx import mesh
 from mpi4py import MPI
 
 from fenics_contact import (
@@ -20,17 +19,17 @@ from fenics_contact import (
     Steps,
     Support,
 )
-from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.iterative.contact_zone import cannot_be_carried
-from fenics_contact.solve.iterative.iterative_system import IterativeSystem
-from fenics_contact.solve.iterative.preconditioner import FreeBodies, Preconditioner
+from fenics_contact.solve.iterative.iterative_system import (
+    FreeBodies,
+    IterativeSystem,
+    Preconditioner,
+)
 from fenics_contact.solve.solver_choice import choose_solver
 from fenics_contact.solve.systems.full_system import FullSystem
 from fenics_contact.verification.boxes import Box, boxes
-from tests.scenes import with_solver
 
 COMM = MPI.COMM_WORLD
 LOWER = Box("lower", (0, 0, -1), (1, 1, 0), (5, 5, 4))
@@ -201,62 +200,6 @@ def test_a_face_against_a_body_and_an_obstacle(slave):
         support=(Support("half.z0", {"x": 0, "y": 0, "z": 0}), pair(0.3).support[1]),
     )
     require_same(scene, boxes((half, UPPER), "hexahedron"))
-
-
-def test_a_ring_is_refused_and_not_chosen():
-    """At the edge the block follows the floor, this the wall, and this the block."""
-    scene, body = seat(("on", "against")), boxes(DEEP, "hexahedron")
-    third = Contact("floor.x0", against="wall.x1", name="third", slave="on")
-    scene = dataclasses.replace(scene, contact=(*scene.contact, third))
-    with pytest.raises(InputError, match="each other's masters in a ring"):
-        choose_solver(Problem.on_mesh(with_solver(scene, solver="iterative"), body))
-    assert choose_solver(Problem.on_mesh(scene, body)).name == "condensed"
-
-
-def test_four_bodies_around_an_edge_are_not_chosen_in_a_ring():
-    """Each in contact with the next: slaves are the first and the third, of both their contacts."""
-    places = {"a": (0, 0), "b": (1, 0), "c": (1, 1), "d": (0, 1)}
-    body = boxes(
-        tuple(
-            Box(name, (x, y, 0), (x + 1, y + 1, 1), (2, 2, 1)) for name, (x, y) in places.items()
-        ),
-        "hexahedron",
-    )
-    pairs = (("a.x1", "b.x0"), ("b.y1", "c.y0"), ("c.x0", "d.x1"), ("d.y0", "a.y1"))
-    contacts = tuple(
-        Contact(on, against=against, name=on[0], friction_coefficient=0.3) for on, against in pairs
-    )
-    push = {"a": (0, 0), "b": (-0.01, 0), "c": (-0.01, -0.01), "d": (0, -0.01)}
-    support = tuple(
-        Support(f"{name}.{side}", {"x": dx, "y": dy, "z": 0})
-        for (name, (dx, dy)), side in zip(push.items(), ("x0", "x1", "y1", "x0"), strict=True)
-    )
-    scene = pair(0.3, contact=contacts, support=support)
-    found = Run(scene, COMM, body).contacts()
-    assert [one["slave"] for one in found] == ["a.x1", "c.y0", "c.x0", "a.y1"]
-    assert found[1]["slave_reason"] == "so masters do not follow each other in a ring"
-    assert cannot_be_carried(Problem.on_mesh(scene, body)) == ""
-
-
-def test_three_bodies_around_an_edge_are_not_chosen_in_a_ring():
-    """Block on floor, floor at wall, wall at block: each comes first or is covered by the next."""
-    wall = Box("wall", (-0.5, -0.5, 0), (0, 1, 1), (2, 6, 3))
-    body = boxes((*DEEP[:2], wall), "hexahedron")
-    tags, (old,) = body.facet_tags, body.groups["wall.x1"].tags
-    height = mesh.compute_midpoints(body.mesh, 2, tags.indices)[:, 1]
-    values = np.where((tags.values == old) & (height < 0), 99, tags.values).astype(np.int32)
-    groups = body.groups | {"wall.upper": Group(2, (old,)), "wall.lower": Group(2, (99,))}
-    tags = mesh.meshtags(body.mesh, 2, tags.indices, values)
-    body = dataclasses.replace(body, facet_tags=tags, groups=groups)
-
-    def refusal(slave):
-        pairs = (("block.y0", "floor.y1"), ("floor.x0", "wall.lower"), ("wall.upper", "block.x0"))
-        contacts = tuple(Contact(on, against=against, slave=slave) for on, against in pairs)
-        scene = dataclasses.replace(seat(("on", "against")), contact=contacts)
-        return cannot_be_carried(Problem.on_mesh(scene, body))
-
-    assert "in a ring" in refusal("on")
-    assert "in a ring" not in refusal("auto")
 
 
 @pytest.mark.parametrize("driven", [{"indentation": 0.004}, {"force": 2.0}])

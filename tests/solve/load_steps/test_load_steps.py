@@ -14,7 +14,6 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
-    InputError,
     Load,
     Material,
     NotConvergedError,
@@ -33,7 +32,8 @@ from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.scene.reading import load_scene
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_control import AutomaticPace
-from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton import Newton
+from tests.messages import refused
 from tests.solve.load_steps.histories import (
     DRAGGED,
     OF_THE_PATH,
@@ -69,9 +69,9 @@ def test_cycles_repeat_a_table():
     found = [path(t) for t in (0, 0.5, 1, 1.5, 2, 3, 4, 4.5, 5.5, 6, 8, 9.5, 12, 13)]
     assert found == pytest.approx([1, 1, 1, 0, -1, 0, 1, 1, 0, -1, 1, 0, 1, 1])
     assert path.knots == (1, 2, 4, 5, 6, 8, 9, 10, 12)
-    with pytest.raises(ValueError, match="begin with a jump"):
+    with refused("path_of_cycles_jumps", ValueError):
         Path(time=(0, 1), factor=(0, 1), cycles=2)
-    with pytest.raises(ValueError, match="the first time, -1, must be ≥ 0"):
+    with refused("path_begins_before_0", ValueError):
         Path(time=(-1, 1), factor=(1, 1))
 
 
@@ -99,8 +99,8 @@ def test_a_function_is_a_path():
 @pytest.mark.parametrize(
     ("function", "words"),
     [
-        (lambda t: t if t != 0.5 else np.inf, "gives inf at time 0.5"),
-        (lambda t: {}["a"], "fails at time 1: KeyError"),
+        (lambda t: t if t != 0.5 else np.inf, "path_gives_inf"),
+        (lambda t: {}["a"], "path_fails"),
     ],
 )
 def test_a_function_that_gives_no_number_is_named(key, function, words):
@@ -110,9 +110,8 @@ def test_a_function_that_gives_no_number_is_named(key, function, words):
     if key.startswith("support"):
         supports = (Support("x0", {"x": 0}, path=function), scene.support[1])
         scene = dataclasses.replace(scene, support=supports)
-    with pytest.raises(InputError) as error:
+    with refused(words, key=key):
         run(scene, COMM, block())
-    assert str(error.value).startswith(f"{key}: ") and words in str(error.value)
 
 
 def test_load_and_friction_bound_follow_a_given_pressure():
@@ -126,9 +125,9 @@ def test_load_and_friction_bound_follow_a_given_pressure():
     for key, value in expected.quantities.items():
         if key not in OF_THE_PATH:
             assert found.quantities[key] == pytest.approx(value, rel=1e-5, abs=1e-7), key
-    with pytest.raises(InputError, match=r"pressure_path: -1 at time"):
+    with refused("pressure_path_is_negative"):
         run(pulled(Path((0,), (1,)), pressure_path=lambda t: -1), COMM, block())
-    with pytest.raises(ValueError, match="only a pressure that is given"):
+    with refused("pressure_path_alone", ValueError):
         Contact("y1", pressure_path=DRAGGED)
 
 
@@ -326,16 +325,13 @@ def test_a_rank_that_is_asked_to_stop_stops_all(capsys):
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"automatic": True, "times": (1.0,)}, "leave out times"),
-        ({"smallest": 0.1}, "only automatic steps"),
-        (
-            {"automatic": True, "smallest": 0.3, "number": 4},
-            "smallest = 0.3 exceeds largest = 0.25",
-        ),
+        ({"automatic": True, "times": (1.0,)}, "automatic_steps_with_times"),
+        ({"smallest": 0.1}, "smallest_step_alone"),
+        ({"automatic": True, "smallest": 0.3, "number": 4}, "smallest_step_exceeds_largest"),
     ],
 )
 def test_keys_of_automatic_steps_that_contradict(keys, words):
-    with pytest.raises(ValueError, match=words):
+    with refused(words, ValueError):
         Steps(**keys)
 
 
@@ -372,11 +368,11 @@ def test_paths_in_a_file(tmp_path):
     scene = load_scene(tmp_path / "a.toml")
     assert scene.load[0].path(39) == pytest.approx(-1) and scene.steps.automatic
     (tmp_path / "a.toml").write_text(text.replace("CYCLES", "cycels"))
-    with pytest.raises(InputError, match=r"unknown key 'load\[0\].path.cycels' \(did you mean"):
+    with refused("unknown_key_cycels"):
         load_scene(tmp_path / "a.toml")
     wrong = text.replace(", CYCLES = 10", "").replace("[0, 1, -1, 0]", '"x"')
     (tmp_path / "a.toml").write_text(wrong)
-    with pytest.raises(InputError, match=r"load\[0\].path.factor = 'x': must be a list"):
+    with refused("path_factor_is_a_letter"):
         load_scene(tmp_path / "a.toml")
     json.dumps(dataclasses.asdict(scene))
 
@@ -398,7 +394,7 @@ def test_a_force_that_comes_and_goes():
     assert forces == pytest.approx(2 * [1.5, 3, 4.5, 6, 4.5, 3, 1.5, 0], rel=1e-7, abs=1e-6)
     pulling = dataclasses.replace(obstacle, path=Path((0, 1), (0, -1)))
     contact = dataclasses.replace(scene.contact[0], obstacle=pulling)
-    with pytest.raises(InputError, match=r"obstacle.path: -1 at time 1"):
+    with refused("obstacle_path_is_negative"):
         run(dataclasses.replace(scene, contact=(contact,), steps=Steps(8)), COMM, block())
 
 

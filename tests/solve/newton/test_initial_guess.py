@@ -17,7 +17,7 @@ from fenics_contact import (
     Steps,
     Support,
 )
-from fenics_contact.common.errors import InputError
+from tests.messages import refused
 from tests.scenes import ROOT, box_body
 
 COMM = MPI.COMM_WORLD
@@ -133,16 +133,16 @@ def test_a_tilted_punch_touches_with_its_edge_first():
 
 
 @pytest.mark.parametrize(
-    ("keys", "message"),
+    ("keys", "message", "axis"),
     [
-        ({"load": (Load("y1", traction=(0, 10)),)}, "along y.*push it away from the obstacles"),
-        ({"load": ()}, "along y.*nothing presses it against"),
-        ({"support": ()}, r"resist a rigid motion \(translation along x\)"),
+        ({"load": (Load("y1", traction=(0, 10)),)}, "loads_push_away", "y"),
+        ({"load": ()}, "nothing_presses", "y"),
+        ({"support": ()}, "motion_is_undetermined", "x"),
     ],
     ids=["pulled", "unloaded", "slides"],
 )
-def test_what_contact_cannot_hold_is_refused(keys, message):
-    with pytest.raises(NoEquilibriumError, match=message):
+def test_what_contact_cannot_hold_is_refused(keys, message, axis):
+    with refused(message, NoEquilibriumError, motion=f"translation along {axis}"):
         block(**keys)
 
 
@@ -160,13 +160,14 @@ def test_a_block_tips_when_its_load_lies_outside_its_base():
     pressed = result.points.contact_pressure > 0
     floor = pressed & (result.points.contact == 0)
     assert result.points.coordinates[floor, 0].min() > 0.5
-    with pytest.raises(NoEquilibriumError, match=r"rotation about z.*push it away"):
+    motion = "translation along x and y, rotation about z"
+    with refused("loads_push_away", NoEquilibriumError, motion=motion):
         loaded(-62)
 
 
 def test_an_obstacle_that_misses_the_body_is_said_before():
     punch = Obstacle("flat punch", radius=0.5, position=(3, 2), indentation=0.1)
-    with pytest.raises(InputError, match=r"contact\[0\].obstacle: no point of the surface lies in"):
+    with refused("obstacle_misses_the_surface"):
         block(Contact("y1", obstacle=punch))
 
 
@@ -216,7 +217,7 @@ def test_a_body_that_ends_without_any_load_is_refused():
     path = Path(time=(0, 1, 2), factor=(0, 1, 0))
     load = (Load("y1", traction=(0, -10), path=path),)
     steps = Steps(number=2, end=2.0)
-    with pytest.raises(NoEquilibriumError, match=r"along y.*nothing presses it against"):
+    with refused("nothing_presses", NoEquilibriumError, motion="translation along y"):
         block(load=load, steps=steps)
     punch = Contact("y1", obstacle=Obstacle("plane", position=(0, 2)))
     result = block(punch, (), (Support("y0", {"x": 0, "y": 0}),)).solve()

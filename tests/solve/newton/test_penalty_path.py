@@ -15,7 +15,7 @@ from fenics_contact import (
     SolverSettings,
     Support,
 )
-from fenics_contact.solve.newton.continuation import PenaltyPath
+from fenics_contact.solve.globalisation import PenaltyPath
 from fenics_contact.verification.boxes import Box, boxes
 
 COMM = MPI.COMM_WORLD

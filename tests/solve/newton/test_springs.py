@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fenics_contact import main
-from fenics_contact.solve.newton.continuation import SpringControl
-from fenics_contact.solve.systems.step_springs import sprung
+from fenics_contact.solve.globalisation import SpringControl
+from fenics_contact.solve.systems.system import sprung
 
 
 def test_as_many_springs_as_motions():

@@ -27,11 +27,11 @@ from fenics_contact import (
 from fenics_contact.cli.summary import print_result
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.results.check_messages import WORDS, compares
-from fenics_contact.results.records.model import RigidMotion
+from fenics_contact.results.records.run import RigidMotion
 from fenics_contact.results.records.steps import BranchRecord
 from fenics_contact.simulation import verdict
-from fenics_contact.trust.checks.comparison import balance, worst_of
-from fenics_contact.trust.checks.run_checks import all_checks
+from fenics_contact.trust.comparison import balance, worst_of
+from fenics_contact.trust.run_checks import all_checks
 from fenics_contact.verification.boxes import Box, boxes
 from tests.contact.shuffled import Shuffled
 from tests.preload.joints import joint

@@ -22,7 +22,7 @@ from fenics_contact import (
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Profile
 from fenics_contact.trust.convergence.displacement_jumps import displacement_jumps
-from fenics_contact.trust.convergence.level_history import LevelHistory
+from fenics_contact.trust.convergence.unbounded import LevelHistory
 from tests.scenes import ROOT, box_body, with_solver
 
 pytestmark = pytest.mark.errors

@@ -24,8 +24,8 @@ from fenics_contact import (
 )
 from fenics_contact.cli.program import main
 from fenics_contact.cli.summary import print_result
-from fenics_contact.results.words.rounding import UNKNOWN, rounded
-from fenics_contact.solve.newton.solve_limits import StepBudget
+from fenics_contact.results.rounding import UNKNOWN, rounded
+from fenics_contact.solve.newton_failure import StepBudget
 from fenics_contact.trust.error_estimates import estimates
 from fenics_contact.trust.error_estimates.estimates import SOURCES
 from tests.report.page.pages import page_of

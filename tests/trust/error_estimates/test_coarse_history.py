@@ -10,7 +10,7 @@ from fenics_contact import Path, Run, Steps
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.solver_choice import choose_solver, create_system
 from fenics_contact.trust.error_estimates.load_steps import CoarseHistory, _NearPath, _thinned
 from fenics_contact.trust.error_estimates.measured import Measured

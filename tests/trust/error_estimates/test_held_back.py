@@ -5,7 +5,7 @@ from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Material, Point, Scene, Support, run
-from fenics_contact.trust.error_estimates.held_back import HeldBack
+from fenics_contact.trust.error_estimates.measured import HeldBack
 from tests.scenes import box_body, with_solver
 
 pytestmark = pytest.mark.errors

@@ -110,7 +110,7 @@ def test_bodies_that_slide_far_remember_without_friction():
 
 
 def test_a_resumed_history_is_solved_again_from_its_start(tmp_path_factory):
-    from fenics_contact.simulation.restart.state_file import StateFile
+    from fenics_contact.simulation.state_file import StateFile
 
     folder = COMM.bcast(tmp_path_factory.mktemp("resumed") if COMM.rank == 0 else None)
     scene = with_solver(dragged(Steps(number=6)), errors="all")

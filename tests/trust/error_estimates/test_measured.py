@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Run
-from fenics_contact.problem.loads.given_load import Disturbance
+from fenics_contact.problem.loads.disturbance import Disturbance
 from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.trust.error_estimates import measured as module
 from fenics_contact.trust.error_estimates.measured import Measured

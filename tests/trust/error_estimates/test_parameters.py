@@ -16,8 +16,8 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.common.errors import NotConvergedError
-from fenics_contact.solve.coulomb import alternating_loop
-from fenics_contact.solve.newton.newton import Newton
+from fenics_contact.solve import alternating_loop
+from fenics_contact.solve.newton import Newton
 from fenics_contact.trust.error_estimates import estimates
 from tests.scenes import box_body
 
@@ -107,7 +107,7 @@ def in_space(epsilon=1e-5, penalty=1e-6, errors="auto"):
         ),
         solver=SolverSettings(solver="iterative", errors=errors),
     )
-    return run(scene, COMM, box_body((8, 8, 4), (1, 1, 0.5)))
+    return run(scene, COMM, box_body((6, 6, 3), (1, 1, 0.5)))
 
 
 def test_with_the_iterative_solver_they_are_there_without_being_asked_for():

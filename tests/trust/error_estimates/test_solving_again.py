@@ -5,7 +5,7 @@ import pytest
 
 from fenics_contact import Contact, Discretisation, Material, Obstacle, Run, Scene, Support
 from fenics_contact.evaluate.contact_quantities import contact_quantities
-from fenics_contact.simulation.studies.changes import with_changes
+from fenics_contact.simulation.sensitivities.scene_values import with_changes
 from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.solving_again import AlongLine, last_step_again

@@ -18,8 +18,14 @@ from fenics_contact.verification.error_bars.case import (
     rows_of,
 )
 from fenics_contact.verification.error_bars.command import verify_errors
-from fenics_contact.verification.error_bars.runs import Answer, reference_of, run_bar_case
-from fenics_contact.verification.error_bars.table import count, page
+from fenics_contact.verification.error_bars.runs import (
+    BarAnswer,
+    count,
+    page,
+    reference_of,
+    run_bar_case,
+)
+from tests.messages import says
 from tests.scenes import ROOT
 
 SCENE = Scene(kinematics="plane strain", material=Material(1000, 0.3))
@@ -52,7 +58,7 @@ def estimator(factor):
         for name, value in TRUE.items():
             size = None if factor is None else factor * share * float(np.linalg.norm(value))
             errors[name] = dict.fromkeys(SOURCES, 0.0) | {"mesh": size, "total": size}
-        return Answer(quantities, errors)
+        return BarAnswer(quantities, errors)
 
     return solve
 
@@ -224,8 +230,8 @@ def test_command_line_refuses_what_it_has_not(capfd):
     said = capfd.readouterr().err
     if MPI.COMM_WORLD.rank == 0:
         assert "no case 'no_such_case'; there are" in said and "sphere_0" in said
-        assert "give either --hard or --errors" in said
-        assert "add --hard or --errors" in said
+        says("verify_both", said)
+        says("verify_table_of_neither", said)
 
 
 def test_the_page_has_every_case_and_says_that_bars_hold():

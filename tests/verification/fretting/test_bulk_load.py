@@ -1,7 +1,7 @@
 """The case of fretting under bulk load can fail: judged by another pull it does."""
 
 from fenics_contact import Run
-from fenics_contact.verification.fretting import Pulled, bulk_scene, compared
+from fenics_contact.verification.published.fretting import Pulled, bulk_scene, compared
 
 
 def test_another_pull_is_noticed() -> None:

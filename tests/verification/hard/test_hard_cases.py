@@ -10,11 +10,11 @@ from mpi4py import MPI
 
 from fenics_contact import Material, Run, main, run
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.trust.checks.resultants import equilibrium
+from fenics_contact.trust.resultant_checks import equilibrium
 from fenics_contact.verification import Finding
 from fenics_contact.verification.hard import CASES, HardCase
 from fenics_contact.verification.hard.case import ReferenceFailedError, Trial, run_hard_case
-from fenics_contact.verification.hard.cases.coefficients import branches
+from fenics_contact.verification.hard.coefficients import branches
 from fenics_contact.verification.hard.command import verify_hard
 from fenics_contact.verification.hard.exact import STICK, exact_answer, statuses_of
 from fenics_contact.verification.hard.scenes import (

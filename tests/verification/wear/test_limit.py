@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from fenics_contact.analytic import fretting_limit
-from fenics_contact.verification.laws.wear import compared, rubbed_scene
-from fenics_contact.verification.published.shear import HERTZ
+from fenics_contact.analytic import contact as formulas
+from fenics_contact.verification.published.cycle import compared, rubbed_scene
+from fenics_contact.verification.published.shear import SPHERE
 
 
 def cycle(force, share):
@@ -14,17 +14,17 @@ def cycle(force, share):
     radius = np.linspace(0, 1.5, 40)
     points = np.column_stack([radius, 0 * radius, 0 * radius])
     return SimpleNamespace(
-        contacts=[{"normal_force": force, "friction_force": (0.15 * share * HERTZ.force, 0, 0)}],
+        contacts=[{"normal_force": force, "friction_force": (0.15 * share * SPHERE.force, 0, 0)}],
         points=SimpleNamespace(
-            coordinates=points * HERTZ.radius,
-            own={"worn_depth": fretting_limit.worn_depth(radius, 0.6)},
+            coordinates=points * SPHERE.radius,
+            own={"worn_depth": formulas.worn_depth(radius, 0.6)},
         ),
     )
 
 
 def test_another_circle_is_noticed():
     first = cycle(1.0, 1 - 0.7**3)
-    force, of_punch = fretting_limit.force_left(0.6), 1.5 * (1 - 0.7**2)
+    force, of_punch = formulas.force_left(0.6), 1.5 * (1 - 0.7**2)
     right = list(compared(first, cycle(force, 0.6 * of_punch)))
     assert [found.passed for found in right] == [True] * 3
     wrong = list(compared(first, cycle(force, 0.7 * of_punch)))
@@ -34,4 +34,4 @@ def test_another_circle_is_noticed():
 def test_height_stays():
     obstacle = rubbed_scene(0.7).contact[0].obstacle
     assert obstacle.force is None
-    assert obstacle.indentation == HERTZ.radius**2 / obstacle.radius
+    assert obstacle.indentation == SPHERE.radius**2 / obstacle.radius

@@ -1,6 +1,6 @@
-"""The laws along a contact, one file each: frictionless, static, incremental, stick.
+"""The laws along a contact: frictionless, static, incremental, stick.
 
-The paper's (1.6) and (2.6) to (2.8). A new law is a file of its own and a line in ``LAWS``.
+The paper's (1.6) and (2.6) to (2.8). A new law is a class and a line in ``LAWS``.
 """
 
 from __future__ import annotations
@@ -8,12 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.common.parallel import largest
-from fenics_contact.contact.laws.friction.frictionless import Frictionless
-from fenics_contact.contact.laws.friction.incremental import Incremental
 from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.friction.rules import friction_rule
-from fenics_contact.contact.laws.friction.static import Static
-from fenics_contact.contact.laws.friction.stick import Stick
+from fenics_contact.contact.laws.friction.slip_laws import Frictionless, Incremental, Static, Stick
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
 

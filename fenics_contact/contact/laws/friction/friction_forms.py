@@ -1,4 +1,4 @@
-"""The compiled forms of friction with a bound: j_ε of the jump, its derivatives and its tangent."""
+"""The compiled forms of friction with a bound: j_ε of the jump, its residual and its tangent."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from functools import cached_property
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.fem import Form as CompiledForm
+from ufl import Form
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import CompiledForm, Expr, Form
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.laws.energies import (
@@ -19,8 +21,8 @@ from fenics_contact.contact.laws.energies import (
     traction_work,
 )
 from fenics_contact.contact.laws.friction.law import FrictionLaw
-from fenics_contact.contact.laws.friction.tangent_state import TangentState
-from fenics_contact.contact.surface.trace_function import TraceFunction
+from fenics_contact.contact.laws.friction.tangent import TangentState
+from fenics_contact.contact.surface.point_rule import TraceFunction
 
 
 class FrictionForms:
@@ -116,7 +118,7 @@ class FrictionForms:
 
     @cached_property
     def residual(self) -> CompiledForm:
-        """Its first derivative."""
+        """First derivative of j_ε."""
         return form_cache.form(ufl.derivative(self.energy, self._jump))
 
     @cached_property

@@ -1,4 +1,4 @@
-"""The law along a contact: how large friction may be, its traction for a slip, and what it keeps.
+"""The law along a contact: its bound and traction with their slopes, what it keeps, and its ε.
 
 A law knows no solver: how its forces enter a solve is up to ``term.FrictionTerm``.
 """
@@ -6,14 +6,14 @@ A law knows no solver: how its forces enter a solve is up to ``term.FrictionTerm
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Words
-from fenics_contact.contact.laws.friction.gradient import FrictionGradient
-from fenics_contact.contact.laws.friction.regularisation import Regularisation
-from fenics_contact.contact.laws.friction.rules.rule import FrictionRule
+from fenics_contact.common.parallel import largest
+from fenics_contact.contact.laws.friction.rule import FrictionRule
 from fenics_contact.contact.laws.law import ContactLaw
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.contact.laws.site import LawSite
@@ -147,12 +147,12 @@ class FrictionLaw(ContactLaw):
         return np.zeros_like(slip)
 
     def vjp(self, slip: Array, pressure: Array, of_traction: Array) -> FrictionGradient:
-        """From a quantity's derivatives in tractions to those in slip, pressure and parameters.
+        """From a quantity's gradient in tractions to that in slip, pressure and parameters.
 
         Args:
             slip: Since the start, (points, components) (length).
             pressure: At the points (stress).
-            of_traction: Derivatives of the quantity in ``traction``, (points, components).
+            of_traction: Gradient of the quantity in ``traction``, (points, components).
         """
         nothing = np.zeros_like(slip)
         return FrictionGradient(nothing, nothing, np.zeros(len(slip)), {})
@@ -167,32 +167,32 @@ class FrictionLaw(ContactLaw):
     def vjp_state_update(
         self, slip: Array, closed: Flags, of_end: Mapping[str, Array]
     ) -> tuple[Array, Mapping[str, Array]]:
-        """From a quantity's derivatives in the state at a step's end to those in what makes it.
+        """From a quantity's gradient in the state at a step's end to those in what makes it.
 
         Args:
             slip: At its end, since the start, (points, components) (length).
             closed: Points in contact at its end.
-            of_end: Derivatives of the quantity in arrays at its end, by name; none of others.
+            of_end: Gradient of the quantity in arrays at its end, by name; none of others.
 
         Returns:
-            Derivatives in the effective slip, (points, components), and by name in the arrays as
+            Gradient in the effective slip, (points, components), and by name in the arrays as
             they were at its begin and in parameters, as of ``FrictionGradient.fields``.
         """
         return np.zeros_like(slip), {}
 
     def vjp_reference(self, of_reference: Array) -> tuple[Array, Mapping[str, Array]]:
-        """From a quantity's derivatives in ``reference`` to those in what the step before left.
+        """From a quantity's gradient in ``reference`` to those in what the step before left.
 
         Args:
-            of_reference: Derivatives of the quantity, (points, components).
+            of_reference: Gradient of the quantity, (points, components).
 
         Returns:
-            Derivatives in the slip since the start, likewise, and in arrays of the state, by name.
+            Gradient in the slip since the start, likewise, and in arrays of the state, by name.
         """
         return np.zeros_like(of_reference), {}
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Derivatives of its parameters at the points in a key of the contact; collective.
+        """Slopes of its parameters at the points in a key of the contact; collective.
 
         Args:
             key: Such as ``friction_coefficient``.
@@ -226,3 +226,93 @@ class FrictionLaw(ContactLaw):
             bound: g, or before any loads its ratio to a pressure: points without one slip.
         """
         return np.where(closed, SLIP, OPEN)
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionGradient:
+    """Gradient of a quantity in what a law along a contact works on, at the points.
+
+    Attributes:
+        slip: In the slip since the start, (points, components).
+        reference: In the slip that counts as none, likewise.
+        pressure: In the pressure that the bound follows, (points,).
+        fields: In each parameter of the law by name, the arrays of its rule's state among them,
+            (points,), or (points, components) of vectors.
+    """
+
+    slip: Array
+    reference: Array
+    pressure: Array
+    fields: Mapping[str, Array]
+
+
+class Regularisation:
+    """ε of a contact, the slip up to which its points stick; 0 without friction.
+
+    Attributes:
+        is_numerical: Whether ε stands for no slip at all, and not for the elastic slip of surfaces.
+        is_automatic: Whether ε is to follow from the pressure.
+        follows_pressure: Whether it is automatic, and that pressure is found by the solver.
+        chosen: The ε that was set, of which a part may be used (length).
+        is_known: Whether ε is known: the scene gives it, or a pressure was found for it.
+
+    Args:
+        site: Where friction acts.
+        rule: How large it may be.
+        has_friction: Whether there is any.
+        pressure_is_known: Whether the contact pressure is given.
+    """
+
+    def __init__(
+        self, site: LawSite, rule: FrictionRule, has_friction: bool, pressure_is_known: bool
+    ) -> None:
+        self._site, self._rule, self._acts = site, rule, has_friction
+        self.is_numerical = has_friction and rule.longest_elastic_slip is None
+        given = rule.longest_elastic_slip or site.contact.regularisation_parameter
+        self.is_automatic = self.is_numerical and given == "auto"
+        self.follows_pressure = self.is_automatic and not pressure_is_known
+        self.chosen, self._share = 1.0, 1.0
+        self.is_known = False
+        if given != "auto":
+            self.set(float(given))
+
+    @property
+    def parameter(self) -> float:
+        """ε as used (length), 0 without friction."""
+        return self.chosen * self._share if self._acts else 0.0
+
+    def set(self, epsilon: float) -> None:
+        """Use an ε from now on, unless it is 0: under no pressure it does not matter.
+
+        Args:
+            epsilon: The parameter (length).
+        """
+        if self._acts and epsilon > 0:
+            self.recall(epsilon, True)
+
+    def recall(self, epsilon: float, is_known: bool) -> None:
+        """Use an ε that was used before.
+
+        Args:
+            epsilon: As ``chosen`` was (length).
+            is_known: As it was then.
+        """
+        if self._acts:
+            self.chosen, self.is_known = epsilon, is_known
+
+    def scale(self, share: float) -> None:
+        """Use a share of every ε that is set, from now on, unless it is the surfaces' own."""
+        self._share = share if self.is_numerical else 1.0
+
+    def needed(self, bound: Array) -> float:
+        """The ε whose bias is below 0.1 % under a friction bound, 0 without one; collective.
+
+        A point sticks until it has slipped by ε as friction feels it. Along a direction in which it
+        feels less, that is a longer slip, while there is less friction.
+
+        Args:
+            bound: g at the points, (points,) (stress).
+        """
+        weakest = bound * self._rule.metric.least**2
+        comm = self._site.trace.spaces.comm
+        return self._site.scales.regularisation_parameter(largest(comm, weakest))

@@ -1,22 +1,24 @@
-"""The laws across a contact, one file each: prescribed, unilateral, foundation, bonded.
+"""The laws across a contact: prescribed, unilateral, foundation, bonded and others.
 
-The paper's (1.8) and (4.1). A new law is a file of its own and a line in ``LAWS``.
+The paper's (1.8) and (4.1). A new law is a class and a line in ``LAWS``.
 """
 
 from __future__ import annotations
 
 from fenics_contact.contact.laws.allowed import own_law
-from fenics_contact.contact.laws.normal.bonded import Bonded
+from fenics_contact.contact.laws.normal.elastic_laws import (
+    Bonded,
+    Foundation,
+    NormalCompliance,
+    Prescribed,
+    Unilateral,
+    Untouched,
+)
+from fenics_contact.contact.laws.normal.energy_law import UserContactEnergy
 from fenics_contact.contact.laws.normal.formula_law import FormulaLaw
-from fenics_contact.contact.laws.normal.foundation import Foundation
 from fenics_contact.contact.laws.normal.law import NormalLaw
-from fenics_contact.contact.laws.normal.normal_compliance import NormalCompliance
-from fenics_contact.contact.laws.normal.own_energy import UserContactEnergy
-from fenics_contact.contact.laws.normal.prescribed import Prescribed
-from fenics_contact.contact.laws.normal.unilateral import Unilateral
-from fenics_contact.contact.laws.normal.untouched import Untouched
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.laws.normal_laws import NORMAL_LAWS, NormalLawTable
+from fenics_contact.scene.laws.law_tables import NORMAL_LAWS, NormalLawTable
 
 LAWS: tuple[type[NormalLaw], ...] = (
     Prescribed,

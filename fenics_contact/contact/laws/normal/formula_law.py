@@ -8,20 +8,20 @@ from typing import ClassVar
 
 import numpy as np
 import ufl
+from dolfinx.fem import Form as CompiledForm
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
-from fenics_contact.contact.laws import formulas
-from fenics_contact.contact.laws.normal.law import Parameter
-from fenics_contact.contact.laws.normal.own_energy import (
+from fenics_contact.contact.laws.normal.energy_law import (
     given_parameters,
     parameters_at_points,
 )
+from fenics_contact.contact.laws.normal.law import Parameter
 from fenics_contact.contact.laws.normal.spring import SpringLaw, depth_of
-from fenics_contact.contact.laws.point_values import PointDensity, point_density
+from fenics_contact.contact.laws.point_values import PointDensity, in_ufl, point_density
 from fenics_contact.scene.contact import Contact
-from fenics_contact.scene.laws import normal_laws
+from fenics_contact.scene.laws import law_tables
 
 # Of ∫₀¹ f(s) ds with s = t⁴, so that roots and powers at s = 0 are as good as polynomials.
 _ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(40)
@@ -65,7 +65,7 @@ class FormulaLaw(SpringLaw):
 
     @cached_property
     def tangent(self) -> CompiledForm:
-        """Its derivative in the jump."""
+        """Derivative of ``residual`` in the jump."""
         return form_cache.form(ufl.derivative(self._work, self.site.kinematics.jump))
 
     @property
@@ -137,7 +137,7 @@ class _PointPressure(PointDensity):
 @lru_cache
 def _pressure(text: str, parameters: tuple[str, ...]) -> Callable[..., Expr]:
     """The pressure in UFL as a function of depth and parameters, the same one for the same text."""
-    formula = formulas.in_ufl(text, ("d", *parameters))
+    formula = in_ufl(text, ("d", *parameters))
 
     def pressure(depth: Expr, **fields: Expr) -> Expr:
         found = formula(d=depth, **fields)
@@ -146,7 +146,7 @@ def _pressure(text: str, parameters: tuple[str, ...]) -> Callable[..., Expr]:
     return pressure
 
 
-def _table(contact: Contact) -> normal_laws.PressureFormula:
+def _table(contact: Contact) -> law_tables.PressureFormula:
     law = contact.normal_law
-    assert isinstance(law, normal_laws.PressureFormula)
+    assert isinstance(law, law_tables.PressureFormula)
     return law

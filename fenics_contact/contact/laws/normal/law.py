@@ -1,4 +1,4 @@
-"""What every law across a contact answers: the interface that all other rooms go through."""
+"""The base of laws across a contact, and the softness of their penalty at present."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import ClassVar
 
 import numpy as np
 import ufl
+from dolfinx import fem
+from dolfinx.fem import Form as CompiledForm
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common.arrays import Array, Flags
-from fenics_contact.contact.laws.force import ContactForce
-from fenics_contact.contact.laws.law import ContactLaw, defined_in_same_class
-from fenics_contact.contact.laws.normal.penalty import Penalty
+from fenics_contact.contact.laws.law import ContactForce, ContactLaw, defined_in_same_class
 from fenics_contact.contact.laws.site import LawSite
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.values import PositionFunction, Profile, Value
@@ -32,7 +32,7 @@ GivenLoad = tuple[CompiledForm, Callable[[float], float]]
 
 @dataclass(frozen=True, eq=False)
 class NormalGradient:
-    """Derivatives of a quantity in what a law across a contact works on, at the points.
+    """Gradient of a quantity in what a law across a contact works on, at the points.
 
     Attributes:
         jump: In the jump, (points, components).
@@ -93,10 +93,10 @@ class NormalLaw(ContactLaw, ContactForce):
         return all(defined_in_same_class(self, one, other) for one, other in _TOGETHER)
 
     @property
-    def has_derivatives(self) -> bool:
+    def has_vjp(self) -> bool:
         """Whether ``vjp`` is of its own numbers, and nothing else is kept between steps."""
         own = defined_in_same_class(self, "vjp", "at_points") and self.is_pointwise
-        return super().has_derivatives and (own or not self.follows_jump)
+        return super().has_vjp and (own or not self.follows_jump)
 
     @property
     def exerts_shear(self) -> bool:
@@ -162,17 +162,17 @@ class NormalLaw(ContactLaw, ContactForce):
         return np.zeros(len(jump))
 
     def vjp(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
-        """Vector-Jacobian product: derivatives of a quantity in jump, gap and parameters.
+        """Vector-Jacobian product: gradient of a quantity in jump, gap and parameters.
 
         Args:
             jump: At the points, (points, components) (length).
-            of_slopes: Derivatives of the quantity in minus the traction on the body, likewise.
+            of_slopes: Gradient of the quantity in minus the traction on the body, likewise.
             of_energy: In the energy at the points, (points,).
         """
         return NormalGradient(np.zeros_like(jump), np.zeros(len(jump)), {})
 
     def field_slopes(self, key: str, unit: Value) -> Mapping[str, Array]:
-        """Derivatives of the parameters at the points in a key of the contact; none of others.
+        """Slopes of the parameters at the points in a key of the contact; none of others.
 
         Args:
             key: Such as ``foundation_stiffness``.
@@ -198,3 +198,33 @@ class NormalLaw(ContactLaw, ContactForce):
     def touches_at_rest(self) -> Flags:
         """Points in contact before there are any loads."""
         return self.site.kinematics.gap <= 1e-12 * self.site.trace.extent()
+
+
+class Penalty:
+    """How many times softer the springs of a law are than their own penalty makes them.
+
+    Solvers take softer ones on the way to an answer, and stiffer ones tell its error. A law without
+    a penalty has springs that are meant, which stay as they are.
+
+    Attributes:
+        exists: Whether the law's stiffness is a penalty.
+        softness: By which factor its stiffness is divided at present.
+        softness_in_ufl: The same for forms.
+
+    Args:
+        site: Where the law acts.
+        exists: Whether the law's stiffness is a penalty.
+    """
+
+    def __init__(self, site: LawSite, exists: bool) -> None:
+        self.exists, self.softness = exists, 1.0
+        self.softness_in_ufl = fem.Constant(site.trace.surface.mesh, 1.0)
+
+    def soften(self, factor: float) -> None:
+        """Divide the stiffness by a factor, from now on, if it is a penalty.
+
+        Args:
+            factor: Over the law's own stiffness; 1 is that itself.
+        """
+        if self.exists:
+            self.softness = self.softness_in_ufl.value = factor

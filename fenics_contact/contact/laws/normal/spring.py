@@ -14,8 +14,9 @@ from typing import ClassVar
 
 import numpy as np
 import ufl
+from dolfinx.fem import Form as CompiledForm
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.contact.laws.law import name_in_table
 from fenics_contact.contact.laws.normal.law import NormalGradient, NormalLaw
@@ -36,7 +37,7 @@ def positive(depth: Expr) -> Expr:
 
 @dataclass(frozen=True, eq=False)
 class _AtJump:
-    """A density's derivatives at one jump of the points, each found when it is asked for first.
+    """Slopes and curvatures of a density at one jump, each found when it is asked for first.
 
     Attributes:
         points: The density.
@@ -77,7 +78,7 @@ class _AtJump:
 
     @cached_property
     def mixed(self) -> Array | None:
-        """Second derivatives in depth and jump, (points, components) (stress/length), or None.
+        """Mixed second derivative in depth and jump, (points, components) (stress/length), or None.
 
         As where pressure follows the depth alone.
         """
@@ -106,7 +107,7 @@ class _AtJump:
 
 
 class SpringLaw(NormalLaw):
-    """A law whose forces are the derivatives of an energy density ψ of depth and jump.
+    """A law whose forces are minus the gradient of an energy density ψ of depth and jump.
 
     Be that known in UFL or not: numbers at the points, forms and tangents are all that is asked.
     """
@@ -144,7 +145,7 @@ class SpringLaw(NormalLaw):
     @property
     @abstractmethod
     def tangent(self) -> CompiledForm:
-        """Its derivative in the jump."""
+        """Derivative of ``residual`` in the jump."""
 
     @property
     def exerts_shear(self) -> bool:
@@ -172,7 +173,7 @@ class SpringLaw(NormalLaw):
 
     @abstractmethod
     def pressure_ufl(self, jump: Expr) -> Expr:
-        """The pressure of a jump in UFL: ψ's derivatives across the surface (stress)."""
+        """The pressure of a jump in UFL: ψ's slope across the surface (stress)."""
 
     def set_gap(self, gap: Array) -> None:
         """Follow an obstacle that moves along the surface."""
@@ -185,7 +186,7 @@ class SpringLaw(NormalLaw):
     @property
     @abstractmethod
     def _at_points(self) -> PointDensity:
-        """ψ as numbers at the points, with its derivatives."""
+        """ψ as numbers at the points, with its slopes and curvatures."""
 
     def _values(self, jump: Array) -> dict[str, Array]:
         """Values of the density's variables; the depth is 0 where nothing stands opposite."""
@@ -200,7 +201,7 @@ class SpringLaw(NormalLaw):
         return self._at(jump).slopes
 
     def _at(self, jump: Array) -> _AtJump:
-        """The density's derivatives at a jump, kept as long as the jump is the same."""
+        """The density's slopes and curvatures at a jump, kept as long as the jump is the same."""
         known, gap, softness = self._known, self.site.kinematics.gap, self.penalty.softness
         if known is None or not known.is_of(jump, gap, softness):
             normals = self.site.trace.normals
@@ -239,7 +240,7 @@ class SpringLaw(NormalLaw):
         return self._at_points.value(**self._values(jump)) / self.penalty.softness
 
     def vjp(self, jump: Array, of_slopes: Array, of_energy: Array) -> NormalGradient:
-        """Vector-Jacobian product, from the second derivatives of the energy ψ."""
+        """Vector-Jacobian product, from the curvatures of the energy ψ."""
         acts, values = self.acts(self.pressure(jump)), self._values(jump)
         factor = np.where(acts, 1 / self.penalty.softness, 0.0)
         across = factor * self.site.kinematics.normal(of_slopes)

@@ -20,11 +20,12 @@ import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
+from dolfinx.fem import FunctionSpace
 from scipy.linalg import null_space, orth
+from ufl.core.expr import Expr
 from ufl.finiteelement import AbstractFiniteElement
 
 from fenics_contact.body.elasticity import Isotropic
-from fenics_contact.body.forms import Expr, FunctionSpace
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache

@@ -23,11 +23,11 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, stick_area
-from fenics_contact.problem.loads.given_load import Disturbance
+from fenics_contact.problem.loads.disturbance import Disturbance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import CONTACT_AREA, STICK_AREA
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
     Change,
     Measure,

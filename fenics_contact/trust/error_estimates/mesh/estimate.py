@@ -1,14 +1,14 @@
 """Errors of a run's quantities by its mesh.
 
 Five things make them. The elements cannot follow the exact displacement: local problems tell by
-how much (``local_errors``), and forces that move the solution likewise tell what that does to each
-quantity. The edges of contact and stick lie somewhere inside elements: as the load, or a small
+how much (``local_problems``), and forces that move the solution likewise tell what that does to
+each quantity. The edges of contact and stick lie somewhere inside elements: as the load, or a small
 change of something else, moves them through these, quantities scatter about smooth functions of
 it. A peak of the contact pressure lies between what the penalty makes of gaps and what the bulk
-needs. Facets miss curved surfaces, which changes gaps (``geometry_errors``). And how large a
-contact is that touches in single points, no mesh as coarse tells (``single_points``), nor what a
-surface does where an obstacle sinks in between its points (``unseen_depth``), or ends there
-(``obstacle_edges``).
+needs. Facets miss curved surfaces, which changes gaps (``geometry``). And how large a
+contact is that touches in single points, no mesh as coarse tells (``singular_places``), nor what a
+surface does where an obstacle sinks in between its points (``unseen_zones``), or ends there
+(``singular_places``).
 
 What the last of these tells of an edge's or a peak's place is added to the others as an independent
 error is, by the sum of squares: the one has no reason to come with the other. All else goes in full
@@ -17,7 +17,7 @@ on top of that, as of forces below a sphere both parts may have the same cause.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 
 import numpy as np
@@ -28,7 +28,6 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.evaluate.contact_areas import Zones, contact_area, cut_areas, radii, stick_area
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.problem.loads.given_load import Disturbance
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
     CONTACT_AREA,
@@ -44,10 +43,10 @@ from fenics_contact.quantities.names import (
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.quantity_names import LossOfCycle
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.convergence.unseen import unseen_depth_errors
-from fenics_contact.trust.error_estimates.held_back import TOO_STIFF, HeldBack
-from fenics_contact.trust.error_estimates.measured import OfCycles
+from fenics_contact.trust.error_estimates.measured import TOO_STIFF, HeldBack, OfCycles
+from fenics_contact.trust.error_estimates.mesh.edge_places import edge_place_errors
 from fenics_contact.trust.error_estimates.mesh.followed_loads import FollowedLoads, drawn_forces
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from fenics_contact.trust.error_estimates.mesh.load_scatter import load_scatter, piece_share
@@ -63,7 +62,6 @@ from fenics_contact.trust.error_estimates.solving_again import (
     Again,
     Measure,
     Quantities,
-    differences,
 )
 
 # Weighed with all cases of ``fenics-contact verify --errors``, those that test included, and 60
@@ -72,6 +70,7 @@ from fenics_contact.trust.error_estimates.solving_again import (
 # corners is less of the error the higher that is.
 _LOCAL = {1: 1.75, 2: 2.0}
 _DRAWS = 2  # of signs, lest cells' errors seem to cancel
+_DRAWS_BY_TANGENTS = 1  # the same where that takes all load steps once more
 _SCATTER = 2.5  # of the scatter over loads, to be beyond most of it
 _PEAK = 2.5  # of the distance between the two pressures at their peaks
 _CURVED = 1.25  # of what facets miss of curved surfaces: what is left is of higher order
@@ -101,7 +100,9 @@ def mesh_errors(
     recorded: Sequence[tuple[float, Quantities]],
     again: Again,
     drawn: Again | None = None,
+    single: Again | None = None,
     notes: list[str] | None = None,
+    tell: Callable[[float], None] = lambda share: None,
 ) -> tuple[dict[Hashable, float] | None, LocalErrors | None]:
     """Estimated errors of the last load step's quantities by the mesh; collective.
 
@@ -112,7 +113,9 @@ def mesh_errors(
         recorded: Pseudo-time and quantities of every load step.
         again: How answers under further forces are found, from the start or of the last step.
         drawn: The same of forces of which signs are drawn, where another way is shorter.
+        single: The same of changes at the surfaces, of the last step; by default solved anew.
         notes: Gets a sentence where the mesh is too stiff for an estimate.
+        tell: Is called with the share of the work that is done, about.
 
     Returns:
         By those keys: absolute, of vectors the length of the difference; without peaks of pressure
@@ -127,13 +130,21 @@ def mesh_errors(
     solution = load_steps.last.solution
     load_steps.go_back()
     local = LocalErrors(problem)
-    followed = FollowedLoads(load_steps, local, again, _DRAWS)
+    draws = _DRAWS if again.share == 1 else _DRAWS_BY_TANGENTS
+    followed = FollowedLoads(load_steps, local, again, draws)
     local.solve(BulkForces(problem, solution), load_steps.time)
-    held = HeldBack(problem, solution, again.displacement)
-    changes = _changes(load_steps, local, followed, again, drawn or again, held)
-    scatter = load_scatter(load_steps, measure, recorded)
-    curved = geometry_errors(load_steps, measure)
-    places = _in_places(load_steps, measure)
+    held = HeldBack(problem, solution, again.displacement, again.share)
+    single = single or Again.of_last_step(load_steps, measure)
+    tell(0.2)
+    changes = _changes(load_steps, local, followed, again, drawn or again, held, draws)
+    tell(0.5)
+    if single.share < 1:
+        scatter = edge_place_errors(load_steps, single)
+    else:
+        scatter = load_scatter(load_steps, measure, recorded)
+    tell(0.8)
+    curved = geometry_errors(load_steps, single)
+    places = _in_places(load_steps, measure, single)
     if changes is None or scatter is None or curved is None or places is None:
         return None, local
     whole, at_random = changes
@@ -171,7 +182,9 @@ def mesh_errors(
     return found or None, local  # no errors at all would say that the mesh makes none
 
 
-def _in_places(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
+def _in_places(
+    load_steps: LoadSteps, measure: Measure, single: Again
+) -> dict[Hashable, float] | None:
     """Errors of single places, each from an answer with another one, as a sum; collective.
 
     Where an obstacle ends between points it sinks in there as well: the larger of both counts.
@@ -179,13 +192,14 @@ def _in_places(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float]
     Args:
         load_steps: As of ``mesh_errors``.
         measure: Likewise.
+        single: Likewise.
 
     Returns:
         By quantity; None where one of the answers was not found.
     """
-    torn = torn_errors(load_steps, measure)
-    points = single_point_errors(load_steps, measure)
-    sunk = unseen_depth_errors(load_steps, measure)
+    torn = torn_errors(load_steps, single)
+    points = single_point_errors(load_steps, single)
+    sunk = unseen_depth_errors(load_steps, single)
     ended = obstacle_edge_errors(load_steps, measure)
     if torn is None or points is None or sunk is None or ended is None:
         return None
@@ -227,19 +241,20 @@ def _changes(
     again: Again,
     drawn: Again,
     held: HeldBack,
+    draws: int,
 ) -> tuple[dict[Hashable, float], dict[Hashable, float]] | None:
     """Return the changes by local errors, and by such errors with random signs; collective.
 
     The first of these says how much the mesh holds the body back.
     """
     found = []
-    last = drawn_forces(local, _DRAWS)
+    last = drawn_forces(local, draws)
     every = followed.every([forces for forces, _ in last])
     load_steps.newton.system.precompute_loads([forces for rows in every for forces in rows])
     for number, (forces, (_, on_scalars)) in enumerate(zip(every, last, strict=True)):
-        disturb = partial(_disturb, followed.along(forces), on_scalars, load_steps.time)
+        disturb = partial(_disturb, followed, forces, on_scalars, load_steps.time)
         way = drawn if number else again
-        change = differences(way.answer, way.changed(disturb, None if number else held.look))
+        change = way.effects(disturb, None if number else held.look)
         if change is None:
             return None
         for scalar, more in zip(load_steps.problem.body_scalars, on_scalars, strict=True):
@@ -247,21 +262,28 @@ def _changes(
                 # One whose force is given has it: what the errors add was taken off.
                 change[key] = change[key] + abs(float(more)) if scalar.is_locked else 0.0
         found.append(change)
-    whole, *draws = found
-    known = [key for key in whole if all(key in change for change in draws)]
+    whole, *others = found
+    known = [key for key in whole if all(key in change for change in others)]
     at_random = {
-        key: float(np.sqrt(np.mean([change[key] ** 2 for change in draws]))) for key in known
+        key: float(np.sqrt(np.mean([change[key] ** 2 for change in others]))) for key in known
     }
     return {key: whole[key] for key in known}, at_random
 
 
-def _disturb(forces: Disturbance, on_scalars: Array, last: float, problem: Problem) -> None:
+def _disturb(
+    followed: FollowedLoads,
+    forces: Sequence[Array],
+    on_scalars: Array,
+    last: float,
+    share: float,
+    problem: Problem,
+) -> None:
     """Add nodal forces, as they follow the loads; collective.
 
     Forces given on the body's scalars are so much less as errors add to them.
     """
-    problem.disturbance = forces
-    problem.scalar_disturbance = -on_scalars / last
+    problem.disturbance = followed.along([share * one for one in forces])
+    problem.scalar_disturbance = -share * on_scalars / last
     problem.set_time(last)
 
 
@@ -296,12 +318,7 @@ def _at_contacts(problem: Problem, solution: Solution) -> dict[Hashable, float |
 
 
 def _place_of_edge(cut: float, zone: float) -> float:
-    """How much area of a zone is not known, as its edge lies somewhere in pieces.
-
-    Args:
-        cut: Area of these.
-        zone: That of the zone.
-    """
+    """How much area of a zone is not known, as its edge lies somewhere in pieces."""
     return _EDGE * cut * (min(1.0, cut / (_CLOSE * zone)) if zone > 0 else 1.0)
 
 

@@ -13,10 +13,10 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.evaluate.nodal_forces import BulkForces
-from fenics_contact.problem.loads.given_load import Disturbance
+from fenics_contact.problem.loads.disturbance import Disturbance
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.solving_again import Again
 
@@ -49,6 +49,7 @@ class FollowedLoads:
 
     def __init__(self, load_steps: LoadSteps, local: LocalErrors, again: Again, draws: int) -> None:
         self._load_steps, self._local, self._draws = load_steps, local, draws
+        self._is_linear = again.share < 1
         self._cycles = cycles_of(load_steps.problem.scene)
         self._known: dict[float, Drawn] = {}
         turns = self._turns()
@@ -61,11 +62,18 @@ class FollowedLoads:
         """Pseudo-times inside the last cycle at which loads turn."""
         cycles, problem = self._cycles, self._load_steps.problem
         if cycles is None:
-            return []
+            return self._turns_of_path() if self._is_linear else []
         close = _SAME * cycles.repetition.period
         end = self._load_steps.time
         begin = end - cycles.repetition.period
         return [knot for knot in knots(problem.scene) if begin + close < knot < end - close]
+
+    def _turns_of_path(self) -> list[float]:
+        """Pseudo-times before the end at which loads turn."""
+        end = self._load_steps.time
+        return [
+            knot for knot in knots(self._load_steps.problem.scene) if 0 < knot < end - _SAME * end
+        ]
 
     def _look(self, time: float, solution: Solution) -> None:
         """Find the forces of a load step, where loads turn at its end."""
@@ -96,8 +104,10 @@ class FollowedLoads:
             forces: Of a draw, of ``every``.
         """
         end, cycles = self._load_steps.time, self._cycles
-        if not self._known or cycles is None:
+        if not self._known:
             return Disturbance.growing(forces[-1], end)
+        if cycles is None:
+            return Disturbance([*sorted(self._known), end], list(forces))
         # A cycle begins as it ends.
         first = [(cycles.begin, forces[-1])] if cycles.begin > 0 else []
         into = end - cycles.repetition.period - cycles.begin

@@ -36,8 +36,8 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.evaluate.contact_quantities import resultant
 from fenics_contact.problem.curved_sides import CurvedSides
 from fenics_contact.problem.loads.acting_load import ActingLoad
-from fenics_contact.problem.loads.given_load import Disturbance
-from fenics_contact.problem.loads.pressure import Pressure
+from fenics_contact.problem.loads.disturbance import Disturbance
+from fenics_contact.problem.loads.given_values import Pressure
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
     CONTACT_AREA,
@@ -52,12 +52,10 @@ from fenics_contact.quantities.names import (
     STRAIN_ENERGY,
 )
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
-    Measure,
+    Again,
     Quantities,
-    differences,
-    last_step_again,
 )
 
 
@@ -81,11 +79,6 @@ def missed_pressure(
 ) -> MissedPressure | None:
     """Return the missed part of a contact's given pressure; collective.
 
-    Args:
-        contact: The contact.
-        sides: Those of its body.
-        time: Pseudo-time.
-
     Returns:
         None where the pressure is not given, or where it is one number on a flat surface.
     """
@@ -93,7 +86,7 @@ def missed_pressure(
     if given is None or not contact.normal.loads:
         return None
     is_curved = total(spaces.comm, int(sides.within(group).sum())) > 0
-    load = Pressure(None, group, spaces, (given,), "contact.pressure")
+    load = Pressure(group, spaces, "contact.pressure", None, (given,))
     if load.is_constant and not is_curved:
         return None
     load, test = load.as_given(), ufl.TestFunction(spaces.displacement_space)
@@ -184,7 +177,7 @@ class MissedBody:
             for sign, whole in ((1.0, load.as_given()), (-1.0, load)):
                 found += sign * spaces.assemble(form_cache.form(whole.work(test)))
         if self._sides.offset is not None:
-            found += spaces.assemble(form_cache.form(load.missed_work(test, self._sides)))
+            found += load.missed(self._sides)
         return found
 
     def of_pressure(self, number: int, time: float) -> MissedPressure | None:
@@ -242,12 +235,12 @@ _OF_PRESSURE = (PRESSURE_INTEGRAL, FRICTION_FORCE, FRICTION_WORK)
 _ALL = (*_AREAS, *_OF_PRESSURE)
 
 
-def geometry_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
+def geometry_errors(load_steps: LoadSteps, again: Again) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by the geometry; collective.
 
     Args:
         load_steps: At their end; all is there again afterwards.
-        measure: Quantities of a solution, called in its state; collective.
+        again: How the answer to its last one is found with something changed.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; None where the answer with
@@ -255,12 +248,12 @@ def geometry_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, f
     """
     assert load_steps.last is not None
     problem, solution = load_steps.problem, load_steps.last.solution
-    answer = measure(solution)
+    answer = again.answer
     gaps, body = _missed_gaps(problem), MissedBody(problem)
     forces = None if body.is_none else body.forces(solution, load_steps.time)
     found: dict[Hashable, float] | None = dict.fromkeys(answer, 0.0)
     if gaps or forces is not None:
-        found = differences(answer, _again(load_steps, measure, gaps, forces))
+        found = _again(load_steps, again, gaps, forces)
     if found is None:
         return None
     for key, error in _beside_forces(answer, body, forces, load_steps).items():
@@ -279,23 +272,23 @@ def _missed_gaps(problem: Problem) -> list[tuple[ContactSurface, Array]]:
 
 def _again(
     load_steps: LoadSteps,
-    measure: Measure,
+    again: Again,
     gaps: list[tuple[ContactSurface, Array]],
     forces: MissedForces | None,
-) -> Quantities | None:
-    """Quantities with other gaps, and under further forces; collective."""
+) -> dict[Hashable, float] | None:
+    """What other gaps and further forces change; collective."""
     before = [contact.kinematics.gap for contact, _ in gaps]
     time = load_steps.time
 
-    def narrow(problem: Problem) -> None:
+    def narrow(share: float, problem: Problem) -> None:
         if forces is not None:
-            problem.disturbance = Disturbance.growing(forces.nodal, time)
+            problem.disturbance = Disturbance.growing(share * forces.nodal, time)
             problem.set_time(time)
         for (contact, one), gap in zip(gaps, before, strict=True):
-            contact.set_gap(gap - one)
+            contact.set_gap(gap - share * one)
 
     try:
-        return last_step_again(load_steps, measure, narrow)
+        return again.effects(narrow)
     finally:
         for (contact, _), gap in zip(gaps, before, strict=True):
             contact.set_gap(gap)

@@ -15,9 +15,10 @@ from functools import cached_property
 import numpy as np
 import ufl
 from dolfinx import fem, la
+from dolfinx.fem import Form as CompiledForm
 from numpy.typing import NDArray
+from ufl.core.expr import Expr
 
-from fenics_contact.body.forms import CompiledForm, Expr
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
@@ -89,12 +90,7 @@ class LocalErrors:
         ]
 
     def solve(self, forces: BulkForces, time: float) -> None:
-        """Find the errors of a solution, in whose state the problem is; collective.
-
-        Args:
-            forces: Of the solution.
-            time: Its pseudo-time.
-        """
+        """Find the errors of a solution, in whose state the problem is; collective."""
         right = self._assembled(self._residual)
         acting = self._problem.scene.path_time(time)
         for form, path in self._loads:

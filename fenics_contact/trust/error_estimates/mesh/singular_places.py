@@ -39,6 +39,7 @@ from fenics_contact.quantities.names import CONTACT_AREA, CONTACT_RADIUS
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.convergence.support_steps import past_steps
 from fenics_contact.trust.error_estimates.solving_again import (
+    Again,
     Measure,
     Quantities,
     differences,
@@ -46,12 +47,12 @@ from fenics_contact.trust.error_estimates.solving_again import (
 )
 
 
-def single_point_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
+def single_point_errors(load_steps: LoadSteps, again: Again) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by such contacts; collective.
 
     Args:
         load_steps: At their end; all is there again afterwards.
-        measure: Quantities of a solution, called in its state; collective.
+        again: How the answer to the last one is found with something changed.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; 0 without such contacts.
@@ -59,21 +60,20 @@ def single_point_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashabl
     """
     assert load_steps.last is not None
     problem, solution = load_steps.problem, load_steps.last.solution
-    answer = measure(solution)
     pairs = zip(problem.contacts, solution.states, strict=True)
     gives = [(contact, _local_depth(contact, state)) for contact, state in pairs]
     before = [(contact, contact.kinematics.gap, depth) for contact, depth in gives if depth > 0]
     if not before:
-        return dict.fromkeys(answer, 0.0)
+        return dict.fromkeys(again.answer, 0.0)
     time = load_steps.time
 
-    def widen(problem: Problem) -> None:
+    def widen(share: float, problem: Problem) -> None:
         problem.set_time(time)
         for contact, gap, depth in before:
-            contact.set_gap(gap + depth)
+            contact.set_gap(gap + share * depth)
 
     try:
-        return differences(answer, last_step_again(load_steps, measure, widen))
+        return again.effects(widen)
     finally:
         for contact, gap, _ in before:
             contact.set_gap(gap)
@@ -112,12 +112,12 @@ _NONE = 1e-6
 _SAFETY = 1.25
 
 
-def torn_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:
+def torn_errors(load_steps: LoadSteps, again: Again) -> dict[Hashable, float] | None:
     """Estimated errors of the last load step's quantities by jumps; collective.
 
     Args:
         load_steps: At their end; all is there again afterwards.
-        measure: Quantities of a solution, called in its state; collective.
+        again: As of ``single_point_errors``.
 
     Returns:
         By quantity: absolute, of vectors the length of the difference; None where the answer with
@@ -125,16 +125,15 @@ def torn_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float
     """
     assert load_steps.last is not None
     problem, solution = load_steps.problem, load_steps.last.solution
-    answer = measure(solution)
     missed = _missed(problem, solution.displacement, load_steps.time)
     scale = largest(problem.comm, np.abs(solution.displacement).ravel())
     if largest(problem.comm, np.abs(missed).ravel()) <= _NONE * scale:
-        return dict.fromkeys(answer, 0.0)
+        return dict.fromkeys(again.answer, 0.0)
 
-    def follow_others(problem: Problem) -> None:
-        problem.prescribed = problem.prescribed + missed.reshape(-1)[problem.constrained]
+    def follow_others(share: float, problem: Problem) -> None:
+        problem.prescribed = problem.prescribed + share * missed.reshape(-1)[problem.constrained]
 
-    return differences(answer, last_step_again(load_steps, measure, follow_others), _SAFETY)
+    return again.effects(follow_others, factor=_SAFETY)
 
 
 def _missed(problem: Problem, displacement: Array, time: float) -> Array:

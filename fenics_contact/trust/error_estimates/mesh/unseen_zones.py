@@ -50,7 +50,7 @@ from fenics_contact.quantities.names import (
     STICK_AREA,
 )
 from fenics_contact.scene.quantity_names import Reaction
-from fenics_contact.solve.newton.solution import Solution
+from fenics_contact.solve.systems.solution import Solution
 
 _AREAS = (STICK_AREA, SLIP_AREA)
 # Shares of a piece that may be open, and what its end then carries over its other end.
@@ -63,10 +63,6 @@ _RISES = 2**_POWERS / (1 - _POWERS)
 
 def unseen_zones(problem: Problem, solution: Solution) -> dict[Hashable, float]:
     """Return errors of quantities by slip and gaps that no point shows; collective.
-
-    Args:
-        problem: The model.
-        solution: Its solution.
 
     Returns:
         Of each contact by its number and the name, and of all by the name.
@@ -107,10 +103,6 @@ def _unseen_gap(contact: ContactSurface, state: ContactState) -> float:
 
 def _unseen_slip(problem: Problem, solution: Solution) -> dict[Hashable, float]:
     """Return errors of areas, slips and friction works by unseen slip; collective.
-
-    Args:
-        problem: The model.
-        solution: Its solution.
 
     Returns:
         Of each contact by its number and the name, and of all by the name; nothing of contacts on

@@ -32,6 +32,7 @@ from fenics_contact.problem.curved_sides import CurvedSides
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.solve.load_steps.load_stepper import stepping
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
+from fenics_contact.trust.error_estimates.solving_again import Again
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import ROOT, box_body, with_solver
 
@@ -155,7 +156,7 @@ def test_straight_facets_of_a_disc_differ_from_curved_ones_by_the_estimate():
 
     with stepping(prepared.problem, prepared.timings, prepared.choice) as load_steps:
         load_steps.solve()
-        found = geometry_errors(load_steps, measure)
+        found = geometry_errors(load_steps, Again.of_last_step(load_steps, measure))
     straight = run(half_disc(1), COMM)
     curved = run(with_solver(half_disc(2), errors="none"), COMM)
     force = [result.quantities["normal_force"] for result in (straight, curved)]
@@ -234,6 +235,18 @@ def test_facets_at_45_degrees_to_each_other_miss_the_same_wherever_they_stand(ce
     np.testing.assert_allclose(missed, missed[:1] * 40, rtol=1e-6)
     sagitta = 1 - np.cos(whole / cells / 2)
     np.testing.assert_allclose(missed[0], sagitta, rtol=0.5)
+
+
+def test_a_curve_that_is_asked_at_no_point_answers_for_none():
+    """As at the middles of facets of a contact whose points are its nodes."""
+    ends = np.pi / 2 * np.arange(4) / 3
+    places = np.stack([np.cos(ends), np.sin(ends)], axis=1)
+    geometry = np.stack([places[:-1], places[1:]], axis=1)
+    facets = FacetMesh(
+        "interval", 1, 1, geometry, np.arange(6).reshape(-1, 2), np.repeat(geometry.mean(1), 2, 0)
+    )
+    found = SmoothSurface(facets).offsets(np.zeros(0, dtype=np.int64), np.zeros((0, 1)))
+    assert found.shape == (0,)
 
 
 def ring(cells, cell=None):

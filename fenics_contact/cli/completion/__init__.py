@@ -1,1 +1,0 @@
-"""Completion in other programs: scripts for shells, and the schema of scenes for editors."""

@@ -1,1 +1,0 @@
-"""``fenics-contact explore``: a page on which numbers of a scene are moved."""

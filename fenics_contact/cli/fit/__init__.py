@@ -1,1 +1,0 @@
-"""``fenics-contact fit``: its options, and what it says."""

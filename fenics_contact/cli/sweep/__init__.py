@@ -1,1 +1,0 @@
-"""``fenics-contact sweep``: its options, and what it says."""

@@ -1,0 +1,314 @@
+"""Contact kinematics: the jump across a contact, its gap and slip.
+
+What stands opposite is known here and in the modules that complete it, for a rigid obstacle and
+for a second deformable body, and nowhere else.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from dolfinx import fem
+
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.parallel import smallest
+from fenics_contact.contact.between_points import BetweenPoints, missed_by_facets, require_smooth
+from fenics_contact.contact.mortar.facet_mesh import FacetMesh
+from fenics_contact.contact.mortar.pairing import Pairing, own_facets
+from fenics_contact.contact.surface.trace import Trace
+
+# Of the lengths that a gap is a difference of: an overlap of no more is round-off.
+ROUND_OFF = 32 * float(np.finfo(float).eps)
+# Of an obstacle's motion: what rounding may leave between it and the gap that it has closed.
+_HAIR = 8 * float(np.finfo(float).eps)
+
+
+class ContactKinematics(ABC):
+    """The jump w of a surface: its displacement relative to what stands opposite.
+
+    Attributes:
+        trace: The contact points.
+        jump: w, a dolfinx function that energies see.
+        gap: At the points, before anything moves; infinite where nothing stands (length).
+        interference: By how much it is narrower than as drawn (length).
+        worn: By how much wear has widened it, at the points (length).
+        direction: Unit vector m along which an obstacle is driven, (components,); 0 without.
+        indentation: How far d the obstacle is driven at present, from where it has been
+            brought up to (length).
+        brought_up: How far it was brought up to the surface beforehand, under a force: so
+            that depths are no differences of long distances (length).
+        displacement: How far it has moved besides, (components,) (length).
+        faces_body: Whether a deformable surface stands opposite, not a rigid obstacle.
+        pairing: The deformable body opposite, None against an obstacle.
+        axis: The obstacle's own, ``direction``; None where it has none but the surface's.
+        paired_at: Displacement at which it was found what faces what, at the body's nodes of
+            this rank; None as meshed (length).
+    """
+
+    faces_body: ClassVar[bool] = False
+    pairing: Pairing | None = None
+    axis: Array | None = None
+    paired_at: Array | None = None
+
+    def __init__(self, trace: Trace) -> None:
+        self.trace = trace
+        self._spaces = trace.spaces
+        self.jump = fem.Function(trace.surface.space)
+        self.indentation = 0.0
+        self.brought_up = 0.0
+        self.displacement = np.zeros(self._spaces.components)
+        self.direction = np.zeros(self._spaces.components)
+        self.gap = self._drawn = np.zeros(len(trace.weights))
+        self.interference, self.worn = 0.0, np.zeros(len(trace.weights))
+        self._places = trace.coordinates
+        self._at_points: Array | None = None
+
+    @abstractmethod
+    def relative(self, displacement: Array) -> Array:
+        """Displacement relative to a body opposite, at all nodes of the surface; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components, ...) (length).
+        """
+
+    def relative_or_own(self, displacement: Array) -> Array:
+        """``relative``, or the surface's own displacement where it faces nothing; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+        """
+        return self.relative(displacement)
+
+    @abstractmethod
+    def on_body(self, force: Array) -> Array:
+        """Forces at all nodes of the surface, and what they do opposite, at the body's nodes.
+
+        Collective.
+
+        Args:
+            force: (nodes of the surface, components) (force).
+        """
+
+    @abstractmethod
+    def reaches(self, flags: Flags) -> Flags:
+        """The body's nodes that forces on some nodes of the surface reach; collective."""
+
+    @abstractmethod
+    def _gap(self, points: Array, normals: Array) -> Array:
+        """Gap from points (points, 3) along normals (points, components)."""
+
+    def missed(self) -> Array:
+        """Excess of the gaps by what facets miss of curved surfaces; collective.
+
+        At the points, < 0 where they are too narrow (length).
+        """
+        return missed_by_facets(self.trace)
+
+    def require_one_sided(self, key: str) -> None:
+        """Refuse a surface with a sharp edge.
+
+        Raises:
+            InputError: On every rank.
+        """
+        require_smooth(self.trace, f"{key}.on")
+
+    @abstractmethod
+    def between_points(self, displacement: Array) -> BetweenPoints:
+        """Where facets are deepest in what stands opposite, between their points; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components) (length).
+        """
+
+    @abstractmethod
+    def leave_out(self, points: Flags) -> None:
+        """Take points out of an obstacle's reach."""
+
+    @abstractmethod
+    def move_to_first_contact(self) -> None:
+        """Take an obstacle to where it first touches the undeformed surface; collective."""
+
+    @abstractmethod
+    def displace(self, displacement: Array) -> None:
+        """Move an obstacle, and its gap with it.
+
+        Args:
+            displacement: From where it stood at first, (components,) (length).
+        """
+
+    @abstractmethod
+    def stand(self) -> None:
+        """Take the gap of an obstacle as it stands now, after it was driven or moved."""
+
+    @abstractmethod
+    def touch(self) -> None:
+        """Drive an obstacle until it just touches the body; collective."""
+
+    @abstractmethod
+    def update_pairing(self, displacement: Array | None) -> None:
+        """Find what faces what on the displaced bodies; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, components); None as meshed
+                (length).
+        """
+
+    def overlap_by(self, interference: float, worn: Array) -> None:
+        """Narrow the gap of the meshes by an interference along the normals, and widen it by wear.
+
+        Args:
+            interference: The overlap, < 0 a gap (length).
+            worn: At the points, (points,) (length).
+        """
+        self.interference, self.worn = interference, worn
+        self.gap = self._drawn - interference + worn
+
+    def set_gap(self, gap: Array) -> None:
+        """Take a gap at the points as it is given (length)."""
+        self.gap = gap
+
+    def _measure(self, drawn: Array) -> None:
+        """Take a gap that was found from where the two sides stand."""
+        self._drawn = drawn
+        self.overlap_by(self.interference, self.worn)
+
+    def relative_sliding(self, closed: Flags) -> float:
+        """Slip since it was found what faces what, over the size of the contact; collective.
+
+        Args:
+            closed: Which points are in contact.
+        """
+        return 0.0
+
+    @cached_property
+    def facets(self) -> FacetMesh:
+        """This rank's facets of the surface, as meshed."""
+        return own_facets(self.trace)
+
+    @property
+    def sagitta(self) -> float:
+        """How far the facets of two bodies are from smooth surfaces, about (length)."""
+        return 0.0
+
+    @property
+    def facet_turn(self) -> float:
+        """Angle between the surface's facets and its averaged normals, about (radians)."""
+        return self.trace.averaged.turn
+
+    @property
+    def distance_as_drawn(self) -> Array:
+        """At the points, from one side to the other, without interference and wear (length)."""
+        return self._drawn
+
+    @property
+    def pressing_interference(self) -> float:
+        """The interference beyond the gap that the meshes leave open everywhere; collective.
+
+        No force acts on the way through that gap, so the interference does no work there (length).
+        """
+        if self.interference <= 0:
+            return self.interference
+        drawn = self.distance_as_drawn[self.trace.owned & self.reached]
+        free = smallest(self.trace.surface.comm, drawn)
+        return self.interference - float(np.clip(free, 0.0, self.interference))
+
+    def whole_gap(self) -> Array:
+        """The gap as an obstacle stands, also at points left out of its reach (length)."""
+        return self.gap
+
+    def depths_of_slid(self, distance: float) -> Array:
+        """How deep points that slid farther than a distance are in an obstacle with a shape.
+
+        Where they are now, along the normals of the undeformed surface; −∞ where it is not before
+        them (length).
+        """
+        return np.zeros(0)
+
+    @property
+    def reached(self) -> Flags:
+        """Flags of points that have something opposite, (points,)."""
+        return np.isfinite(self.gap)
+
+    @property
+    def facing(self) -> Array:
+        """How squarely the obstacle is driven onto each point, −m·n."""
+        return np.asarray(-self.trace.normals @ self.direction)
+
+    def drive(self, indentation: float) -> None:
+        """Bring the obstacle in by a depth; the jump follows with the next ``move``.
+
+        Args:
+            indentation: How far it is driven (length).
+        """
+        self.indentation = indentation
+
+    def move(self, relative: Array, indentation: float | None = None) -> None:
+        """Set the jump.
+
+        Args:
+            relative: As found by ``relative``, (nodes, components) (length).
+            indentation: How far the obstacle is driven; by default as before (length).
+        """
+        if indentation is not None:
+            self.indentation = indentation
+        jump = relative - self.motion
+        self.jump.x.array[:] = jump.reshape(-1)
+        self._at_points = None
+
+    def jump_at_points(self) -> Array:
+        """The present jump, (points, components), the same array until it moves (length)."""
+        if self._at_points is None:
+            jump = self.jump.x.array.reshape(-1, self._spaces.components)
+            self._at_points = self.trace.at_points(jump)
+            self._at_points.setflags(write=False)
+        return self._at_points
+
+    def normal(self, vectors: Array) -> Array:
+        """Normal part of vectors given at the contact points, or at their nodes."""
+        return np.asarray(np.einsum("ij,ij->i", vectors, self.trace.normals[: len(vectors)]))
+
+    def tangential(self, vectors: Array) -> Array:
+        """Tangential part of vectors given at the contact points, or at their nodes."""
+        normals = self.trace.normals[: len(vectors)]
+        return vectors - self.normal(vectors)[:, None] * normals
+
+    @property
+    def motion(self) -> Array:
+        """How far what stands opposite has moved by itself, (components,) (length)."""
+        return self.indentation * self.direction + self.displacement
+
+    def without_round_off(self, gap: Array, size: float) -> Array:
+        """Gaps of which an overlap that is round-off is none: bodies as drawn just touch there.
+
+        Else such overlaps, of 1e-16 between turned blocks, would press, each as luck will have it.
+
+        Args:
+            gap: At the points, before anything moves (length).
+            size: Largest of the lengths that it is a difference of, but for ``motion`` (length).
+        """
+        motion = self.motion
+        moved = float(np.linalg.norm(motion))
+        across = self.trace.normals @ motion
+        overlap = -across - gap
+        touches = (overlap > 0) & (overlap <= ROUND_OFF * (size + moved))
+        return np.where(touches, _HAIR * moved - across, gap)
+
+    def end_of_obstacle(self, reached: Integers, beyond: Integers) -> Array:
+        """How far what stands opposite goes, from points before it to others beyond it (0 … 1)."""
+        starts, ends = self._places[reached], self._places[beyond]
+        normals = self.trace.normals[reached]
+        # Mostly it goes all the way, and the point beyond is only open.
+        found = np.where(np.isfinite(self._gap(ends, normals)), 1.0, 0.0)
+        cut = np.flatnonzero(found == 0.0)
+        starts, ends, normals = starts[cut], ends[cut], normals[cut]
+        low, high = np.zeros(len(cut)), np.ones(len(cut))
+        for _ in range(40 if len(cut) else 0):
+            middle = 0.5 * (low + high)
+            points = starts + middle[:, None] * (ends - starts)
+            inside = np.isfinite(self._gap(points, normals))
+            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+        found[cut] = low
+        return found

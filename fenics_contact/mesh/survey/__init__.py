@@ -1,1 +1,0 @@
-"""Survey of a file: its bodies and surfaces, their shapes, and which face each other."""

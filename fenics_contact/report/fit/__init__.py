@@ -1,1 +1,0 @@
-"""The page of a fit: both curves, their difference, and the intervals, from its files only."""

@@ -1,1 +1,0 @@
-"""Whether a run is one that has a formula, and the formula's curve."""

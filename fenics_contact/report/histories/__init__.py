@@ -1,1 +1,0 @@
-"""Pictures over load steps, iterations and meshes."""

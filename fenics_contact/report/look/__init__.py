@@ -1,1 +1,0 @@
-"""The page of a CAD or mesh file: its bodies and surfaces to click on, and pairs for contacts."""

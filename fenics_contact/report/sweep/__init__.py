@@ -1,1 +1,0 @@
-"""The page of a sweep: quantities over the varied keys, and the contact at every point."""

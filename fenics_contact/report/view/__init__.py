@@ -1,1 +1,0 @@
-"""The interactive view in 3D."""

@@ -1,1 +1,0 @@
-"""The stiffness condensed onto the contact dofs: one factorisation for any conditions."""

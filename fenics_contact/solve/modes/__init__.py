@@ -1,1 +1,0 @@
-"""Natural frequencies of a body whose contacts are stuck, by the factorisation that is kept."""

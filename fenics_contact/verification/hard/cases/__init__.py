@@ -1,1 +1,0 @@
-"""The hard cases, by topic."""

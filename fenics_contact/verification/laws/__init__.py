@@ -1,1 +1,0 @@
-"""Laws of friction: what Coulomb's holds, and others, against formulas for stiffer bodies."""

@@ -1,1 +1,0 @@
-"""What the program says of memory, beside what runs take: bodies of many sizes and contacts."""
