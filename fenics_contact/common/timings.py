@@ -17,6 +17,7 @@ PHASES = (
 )
 ESTIMATING = "estimating errors"
 CHECKING, SEARCHING = "checking the answer", "looking for other answers"
+LOOKING_AHEAD = "looking by how much loads can grow"
 WRITING = "writing files"
 # Phases that may take long, in words.
 _SAID = {

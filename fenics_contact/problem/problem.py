@@ -209,6 +209,20 @@ class Problem:
         rows = zip(self.loads, self._loads, self._load_shares, strict=True)
         return [(load.name, nodal, share) for load, (nodal, _), share in rows]
 
+    def varying_load(self, before: float, now: float) -> Array:
+        """Nodal forces of the loads that change between two pseudo-times, (nodes, components).
+
+        Args:
+            before: The earlier one.
+            now: The later one, at which the forces are given (force).
+        """
+        found = np.zeros((len(self.spaces.coordinates), self.spaces.components))
+        for array, path in self._loads:
+            first, last = (path(self.scene.path_time(time)) for time in (before, now))
+            if first != last:
+                found += array * last
+        return found
+
     def take_loads(self, other: Problem) -> None:
         """Have the loads of another problem of the same scene, node by node.
 

@@ -49,17 +49,30 @@ class RigidMotions:
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]
         self.count = free.shape[1]
-        force, size = np.zeros((2, self._fields.shape[-1]))
-        if self.count:
-            load = problem.load[: spaces.owned_nodes]
-            acting = np.flatnonzero(load.any(axis=1))  # mostly few: those of surfaces
-            work = load[acting, :, None] * self._fields[acting]
-            force = total(problem.comm, work.sum(axis=(0, 1)))
-            size = total(problem.comm, np.abs(work).sum(axis=(0, 1)))
-        force[np.abs(force) <= 1e-12 * size] = 0.0
+        force, size = self._work(problem.load)
         driven = np.array([contact.force or 0.0 for contact in self.floating])
         self.force = force @ self._body + driven @ self._obstacles
         self.force_size = float(max(size.max(initial=0.0), driven.max(initial=0.0)))
+
+    def _work(self, nodal: Array) -> tuple[Array, Array]:
+        """Work of nodal forces on each field, and with all contributions positive; collective."""
+        work, size = np.zeros((2, self._fields.shape[-1]))
+        if self.count:
+            owned = nodal[: self._problem.spaces.owned_nodes]
+            acting = np.flatnonzero(owned.any(axis=1))  # mostly few: those of surfaces
+            each = owned[acting, :, None] * self._fields[acting]
+            work = total(self._problem.comm, each.sum(axis=(0, 1)))
+            size = total(self._problem.comm, np.abs(each).sum(axis=(0, 1)))
+        work[np.abs(work) <= 1e-12 * size] = 0.0
+        return work, size
+
+    def work_of(self, nodal: Array) -> Array:
+        """Work of nodal forces on the body in each motion, (count,); collective (force × length).
+
+        Args:
+            nodal: (nodes, components) (force).
+        """
+        return np.asarray(self._work(nodal)[0] @ self._body)
 
     @property
     def parts(self) -> Parts:

@@ -327,6 +327,12 @@ ROWS = (
         no_value="-",
     ),
     Quantity(
+        names.SLIP_FACTOR,
+        "",
+        "factor of the loads that vary in the last load step at which a part that friction holds "
+        "slips as a whole (`slip_limit.factor`); left out where it is not known",
+    ),
+    Quantity(
         names.UNDECIDED_POINTS,
         "",
         "with friction: how many points slip by less than 2ε",

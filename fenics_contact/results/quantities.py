@@ -192,12 +192,20 @@ def _percent(share: float) -> str:
 
 def _parts(result: Outcome) -> list[str]:
     """How much of what friction can hold of it each part uses, all its contacts together."""
-    shares = {} if result.slip_limit is None else result.slip_limit.parts
-    return [
+    limit = result.slip_limit
+    if limit is None:
+        return []
+    said = [
         f"Part '{one_line(name)}': friction holds it with {_percent(share)} of its limit."
-        for name, share in shares.items()
+        for name, share in limit.parts.items()
         if share is not None
     ]
+    if limit.factor is not None:
+        said.append(
+            f"At {limit.factor:.4g} times the loads that vary a part slips as a whole "
+            f"({limit.kind})."
+        )
+    return said
 
 
 _MAIN = (

@@ -152,6 +152,14 @@ class SolverSettings:
             "history; `all` estimates all, and of histories by all their load steps again"
         ),
     ] = "auto"
+    slip_limit: Annotated[
+        Literal["auto", "steps"],
+        Field(
+            description="how the factor of varying loads at which a part slips is found: "
+            "`auto` by the pressures of the answer, if larger loads leave these as they are, and "
+            "not where `errors` is `none`; `steps` else by larger and larger loads"
+        ),
+    ] = "auto"
     outer_tolerance: Annotated[
         Number,
         Field(gt=0, lt=1e-2, description="change of the pressure in a pass, over its peak"),

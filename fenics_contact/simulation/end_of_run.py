@@ -13,10 +13,11 @@ from mpi4py import MPI
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.failures import attempt
-from fenics_contact.common.timings import CHECKING, SEARCHING, Timings, doing
+from fenics_contact.common.timings import CHECKING, LOOKING_AHEAD, SEARCHING, Timings, doing
 from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.problem.existence.condition import FreeMotion
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import SLIP_FACTOR
 from fenics_contact.results.load_history import cycles_record
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import Quantities
@@ -26,6 +27,7 @@ from fenics_contact.results.result import Check, Result
 from fenics_contact.results.tables import cycle_words
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.settings import SolverSettings
 from fenics_contact.simulation import verdict
 from fenics_contact.simulation.analysis_tasks import AnalysisTasks
 from fenics_contact.simulation.description import model_of, record_of, units_of
@@ -39,6 +41,7 @@ from fenics_contact.trust.convergence.unseen import judged_by_depth
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, unknown_budget
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.solving_again import restore
+from fenics_contact.trust.slip_factor import SlipFactor, slip_factor
 from fenics_contact.trust.uniqueness import OtherAnswers, search_other_solutions
 
 AtEnd = Callable[[LoadSteps, LocalErrors | None], None]
@@ -54,6 +57,7 @@ class EndOfRun:
         others: Of other answers of that step.
         budget: Estimated errors of its quantities.
         checks: Of the physics.
+        slip: By how much varying loads can grow until a part slips as a whole.
         notes: Sentences on what could not be found beside the answer.
         interrupted: Whether somebody asked to stop before all of it was found.
     """
@@ -62,6 +66,7 @@ class EndOfRun:
     others: OtherAnswers = field(default_factory=OtherAnswers)
     budget: ErrorBudget = field(default_factory=ErrorBudget)
     checks: dict[str, Check] = field(default_factory=dict)
+    slip: SlipFactor = field(default_factory=SlipFactor)
     notes: list[str] = field(default_factory=list)
     interrupted: bool = False
     _unknown: ErrorBudget = field(default_factory=ErrorBudget)
@@ -105,6 +110,27 @@ class EndOfRun:
             self.others = attempt(comm, missing, search, OtherAnswers(), self.notes)
             if self.notes:
                 restore(load_steps)
+
+    def look_ahead(self, load_steps: LoadSteps, timings: Timings, settings: SolverSettings) -> None:
+        """Find by how much loads can grow until a part slips, where that is asked for; collective.
+
+        Args:
+            load_steps: At their end.
+            timings: To which what it takes is counted.
+            settings: How the scene is solved.
+        """
+        by_steps = settings.slip_limit == "steps"
+        if settings.errors == "none" and not by_steps:
+            return
+        doing(LOOKING_AHEAD)
+        missing = "By how much loads can grow until a part slips was not found"
+        find = partial(slip_factor, load_steps, by_steps)
+        failed: list[str] = []
+        with timings.phase("output"):
+            self.slip = attempt(load_steps.problem.comm, missing, find, SlipFactor(), failed)
+        if failed:
+            self.notes += failed
+            restore(load_steps)
 
     def estimate_errors(
         self,
@@ -221,6 +247,10 @@ class ResultOfRun:
         cycles = attempt(problem.comm, "Losses of cycles were not found", count, None, notes)
         missing = "How near parts are to slipping was not found"
         near = attempt(problem.comm, missing, history.slip_limit, None, notes)
+        slip = self.end.slip
+        if near is not None and slip.factor is not None:
+            near = dataclasses.replace(near, factor=slip.factor, kind=slip.kind)
+            quantities = {**quantities, SLIP_FACTOR: slip.factor}
         said = verdict.with_unresolved(verdict.of_checks(checks), problem, solution, notes)
         said += verdict.remarks(problem, solution, history.steps, open_share, notes)
         return Result(

@@ -22,6 +22,8 @@ from fenics_contact.contact.contact_surface import ContactSurface
 _ALONG = 1e-3
 # Of the largest: combinations of motions that slip less than that do not slip.
 _NO_SLIP = 1e-12
+# Of the work of varying loads: what is less on motions that friction resists is round-off.
+_NO_WORK = 1e-9
 # Of the least denominator: steps after which it counts as found, and how many there may be.
 _SETTLED, _STEPS = 1e-11, 500
 # Of the largest slip at a point: what is less counts as that much while weights are found.
@@ -54,22 +56,46 @@ class RigidSlip:
             None where no motion of these slips on friction without moving across contacts, and
             the motion, (motions,), of any size; 0 where there is none.
         """
-        along, _ = motions_along(self.across, self.allowed)
-        count = along.shape[1]
-        none = None, np.zeros(len(self.work))
-        if count == 0 or not self.bounds.any():
-            return none
-        slips = self.slips @ along
-        gram = _gram(self.bounds, slips)
-        values, vectors = np.linalg.eigh(gram)
-        resisted = vectors[:, values > _NO_SLIP * max(values.max(initial=0.0), 0.0)]
-        if resisted.shape[1] == 0:
-            return none
-        along = along @ resisted
-        motion = along @ _least_denominator(self.bounds, slips @ resisted, self.work @ along)
-        most = float(self.bounds @ np.linalg.norm(self.slips @ motion, axis=1))
+        along = self._resisted()
+        if along is None:
+            return None, np.zeros(len(self.work))
+        motion = along @ _least_denominator(self.bounds, self.slips @ along, self.work @ along)
         work = float(self.work @ motion)
-        return (work / most, motion) if work > 0 else (0.0, np.zeros_like(motion))
+        return (work / self._most(motion), motion) if work > 0 else (0.0, np.zeros_like(motion))
+
+    def factor(self, varying: Array, present: float) -> float | None:
+        """The factor of varying loads at which parts slip as one, with the bounds of friction kept.
+
+        The least (j(r) − f₀(r))/f₁(r) over motions of f₁(r) > 0, where j(r) is the most that
+        friction takes, and f₀ is the work of the constant loads.
+
+        Args:
+            varying: Work f₁ of the varying loads on each motion, for a factor of 1, (motions,)
+                (force × length).
+            present: The factor with which the friction was found.
+
+        Returns:
+            None where the varying loads do no work on motions that friction resists.
+        """
+        along = self._resisted()
+        if along is None or np.abs(varying @ along).max() <= _NO_WORK * np.abs(varying).max():
+            return None
+        constant, varying = (self.work - present * varying) @ along, varying @ along
+        motion = _least_denominator(self.bounds, self.slips @ along, varying, constant)
+        return self._most(along @ motion) - float(constant @ motion)
+
+    def _resisted(self) -> Array | None:
+        """Motions along contacts that slip where friction acts, as columns; None if none do."""
+        along, _ = motions_along(self.across, self.allowed)
+        if along.shape[1] == 0 or not self.bounds.any():
+            return None
+        values, vectors = np.linalg.eigh(_gram(self.bounds, self.slips @ along))
+        resisted = vectors[:, values > _NO_SLIP * max(values.max(initial=0.0), 0.0)]
+        return along @ resisted if resisted.shape[1] else None
+
+    def _most(self, motion: Array) -> float:
+        """The most work that friction can take of a motion (force × length)."""
+        return float(self.bounds @ np.linalg.norm(self.slips @ motion, axis=1))
 
 
 def motions_along(across: Array, allowed: Array) -> tuple[Array, Array]:
@@ -105,25 +131,31 @@ def allowance(facet_turn: float) -> float:
     return max(_ALONG, facet_turn)
 
 
-def _least_denominator(bounds: Array, slips: Array, work: Array) -> Array:
-    """The motion a of work · a = 1 that minimises Σ g |slips a|, by weights that follow it.
+def _least_denominator(
+    bounds: Array, slips: Array, work: Array, constant: Array | None = None
+) -> Array:
+    """The motion a of work · a = 1 that minimises Σ g |slips a| − constant · a, by weights.
 
-    A sum of lengths is least where that of squares over lengths is (E. Weiszfeld, 1937).
+    The weights follow the motion: a sum of lengths is least where that of squares over lengths is
+    (E. Weiszfeld, 1937).
 
     Args:
         bounds: g, (points,).
         slips: Of independent motions, (points, components, motions).
         work: Of each motion, (motions,).
+        constant: Work of other loads, (motions,); None for nothing.
     """
     if not work.any():
         return np.zeros_like(work)
+    constant = np.zeros_like(work) if constant is None else constant
     weights, least = bounds, np.inf
     best = np.zeros_like(work)
     for _ in range(_STEPS):
-        motion = np.linalg.lstsq(_gram(weights, slips), work, rcond=1e-15)[0]
-        motion = motion / (work @ motion)
+        sides = np.column_stack([work, constant])
+        by_work, by_constant = np.linalg.lstsq(_gram(weights, slips), sides, rcond=1e-15)[0].T
+        motion = by_constant + by_work * (1 - work @ by_constant) / (work @ by_work)
         lengths = np.linalg.norm(slips @ motion, axis=1)
-        found = float(bounds @ lengths)
+        found = float(bounds @ lengths - constant @ motion)
         if found < least:
             best = motion
         if found > (1 - _SETTLED) * least:

@@ -110,6 +110,19 @@ class SlipShares:
         slip = self._slip(np.eye(self._rigid.count))
         return self._limit(None if slip is None else replace(slip, work=self._rigid.force))
 
+    def factor(self, varying: Array, present: float) -> float | None:
+        """Factor of varying loads at which parts slip as one, by the pressures found; collective.
+
+        Args:
+            varying: Their nodal forces for a factor of 1, (nodes, components) (force).
+            present: The factor with which the answer was found.
+
+        Returns:
+            None where they push nothing that friction holds.
+        """
+        slip = self._slip(np.eye(self._rigid.count))
+        return None if slip is None else slip.factor(self._rigid.work_of(varying), present)
+
     def _limit(self, slip: RigidSlip | None) -> SlipLimit | None:
         """Limit by the motion of the largest share, among all that are free."""
         share, motion = (None, np.zeros(0)) if slip is None else slip.share()

@@ -220,7 +220,16 @@ class SlipLimitRecord(Record):
             that they leave slips along all that touches.
         motion: The motion, of one part or several, against which most of it is used, in words;
             empty where there is none.
+        factor: Factor of the loads that vary in the last load step at which a part slips as a
+            whole, 1 for the present loads; null where it is not known.
+        kind: How that was found: `pressures held` by the pressures of the answer, which loads that
+            are 1 % larger leave as they are; `load steps` by larger and larger loads
+            (`solver.slip_limit`); empty where it is not known.
+        errors: `factor` → estimated errors of it by source, none so far.
     """
 
     parts: Mapping[str, float | None]
     motion: str = ""
+    factor: float | None = None
+    kind: str = ""
+    errors: Errors = field(default_factory=dict)

@@ -1,0 +1,134 @@
+"""By how much the loads that vary can grow until friction no longer holds a part.
+
+Loads vary if their factor changes in the last load step; all others are constant. With the
+pressures of the answer the factor is the least (j(r) − f₀(r))/f₁(r) over rigid motions r that slip
+along all that touches, where j is the most work that friction can take, f₀ and f₁ the work of
+constant and of varying loads (``rigid_slip``). That holds if the pressures do not follow the loads,
+which a solve with slightly larger loads tells. If they do, the loads grow step by step instead,
+where the scene asks for it: each time to most of the factor by the pressures found there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array
+from fenics_contact.problem.existence.slip_shares import slip_shares
+from fenics_contact.problem.loads.disturbance import Disturbance
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.systems.solution import Solution
+from fenics_contact.trust.error_estimates.solving_again import Quantities, last_step_again
+
+HELD, STEPS = "pressures held", "load steps"
+# By how much loads grow to see whether the pressures follow them.
+_MORE = 0.01
+# Of the factor: how far it may move until it is reached, if the pressures count as held.
+_SAME = 0.01
+# Of the way to where parts would slip: how much of it is taken at once.
+_WAY = 0.8
+# Of the factor: how near the loads come to it, and steps at the most.
+_NEAR, _TRIES = 5e-3, 12
+# Loads that have grown so much are not what makes parts slip.
+_MOST = 100.0
+_KEY = "factor"
+
+
+@dataclass(frozen=True)
+class SlipFactor:
+    """By how much varying loads can grow.
+
+    Attributes:
+        factor: At which parts slip as a whole, 1 for the present loads; None if it is not known.
+        kind: How it was found: ``pressures held`` or ``load steps``; empty if it was not.
+    """
+
+    factor: float | None = None
+    kind: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class _Growth:
+    """The last load step with its varying loads multiplied.
+
+    Attributes:
+        load_steps: At their end.
+        varying: Nodal forces of the varying loads for a factor of 1, (nodes, components) (force).
+    """
+
+    load_steps: LoadSteps
+    varying: Array
+
+    def limit(self, solution: Solution, factor: float) -> float | None:
+        """The factor at which parts slip by the pressures of an answer; collective.
+
+        Args:
+            solution: In whose state the problem is.
+            factor: Of the varying loads in it.
+        """
+        shares = slip_shares(self.load_steps.problem, solution.states)
+        return None if shares is None else shares.factor(self.varying, factor)
+
+    def limit_at(self, factor: float) -> float | None:
+        """The same by the pressures with larger loads; None without an answer; collective."""
+
+        def measure(solution: Solution) -> Quantities:
+            found = self.limit(solution, factor)
+            return {} if found is None else {_KEY: found}
+
+        found = last_step_again(self.load_steps, measure, partial(self._grow, factor))
+        return None if found is None else float(np.ravel(found[_KEY])[0])
+
+    def _grow(self, factor: float, problem: Problem) -> None:
+        assert self.load_steps.last is not None
+        time = self.load_steps.last.time
+        problem.disturbance = Disturbance.growing((factor - 1) * self.varying, time)
+        problem.set_time(time)
+
+
+def slip_factor(load_steps: LoadSteps, by_steps: bool) -> SlipFactor:
+    """By how much the varying loads of an answer can grow until a part slips; collective.
+
+    Args:
+        load_steps: At their end; all is as it was afterwards.
+        by_steps: Whether the loads are to grow step by step, where the pressures follow them.
+    """
+    last, problem = load_steps.last, load_steps.problem
+    if last is None or problem.inertia.moves or not problem.frictional:
+        return SlipFactor()
+    before = 0.0 if last.before is None else last.before.time
+    drives = [[one.paths.force(time) for one in problem.contacts] for time in (before, last.time)]
+    growth = _Growth(load_steps, problem.varying_load(before, last.time))
+    first = growth.limit(last.solution, 1.0)
+    if first is None or drives[0] != drives[1]:  # an obstacle's force is no load of the body
+        return SlipFactor()
+    if first - 1 <= _NEAR or _stays(growth, first):
+        return SlipFactor(first, HELD)
+    return _by_steps(growth, first) if by_steps else SlipFactor()
+
+
+def _stays(growth: _Growth, first: float) -> bool:
+    """Whether the factor stays until it is reached, by how it moves at first; collective."""
+    grown = min(_MORE, (first - 1) / 2)
+    more = growth.limit_at(1 + grown)
+    return more is not None and abs(more - first) * (first - 1) / grown <= _SAME * first
+
+
+def _by_steps(growth: _Growth, first: float) -> SlipFactor:
+    """Let the loads grow until they are near the factor by the pressures with them; collective."""
+    factor, limit, way = 1.0, first, _WAY
+    for _ in range(_TRIES):
+        if limit - factor <= _NEAR * factor:
+            return SlipFactor(limit, STEPS)
+        if factor > _MOST:
+            break
+        tried = factor + way * (limit - factor)
+        found = growth.limit_at(tried)
+        if found is None:
+            way /= 2
+            continue
+        factor, limit = tried, found
+    return SlipFactor()

@@ -1,0 +1,113 @@
+"""By how much loads that vary can grow until a part slips, against statics."""
+
+from dataclasses import replace
+from math import cos, sin, sqrt
+
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Contact, Load, Material, Obstacle, Scene, Steps, run
+from fenics_contact.results.quantities import headlines
+from fenics_contact.scene.settings import SolverSettings
+from fenics_contact.trust import slip_factor
+from tests.scenes import box_body
+from tests.trust.checks.test_slip_limit import SILENT, geometry, ring_in_ring  # noqa: F401
+
+COMM = MPI.COMM_WORLD
+FRICTION, PRESSURE = 0.5, 10.0
+LATER = {"time": [1, 2], "factor": [0, 1]}
+BY_STEPS = SolverSettings(errors="none", slip_limit="steps")
+
+
+def block(varying, constant=(), solver=BY_STEPS, **changes):
+    """A block of height 1 on a rough floor, pressed with 10 per area; loads act on its bottom.
+
+    There they turn nothing, and the pressure stays even.
+    """
+    dimension = len(varying)
+    axis, first = "xyz"[dimension - 1], {"time": [0, 1], "factor": [0, 1]}
+    face = f"{axis}0"
+    steady = () if not constant else (Load(face, traction=constant, path=first),)
+    given = {
+        "kinematics": "plane strain" if dimension == 2 else "3D",
+        "material": Material(1000, 0.0),
+        "load": (
+            Load(f"{axis}1", pressure=PRESSURE, path=first),
+            *steady,
+            Load(face, traction=varying, path=LATER),
+        ),
+        "contact": (
+            Contact(
+                face,
+                obstacle=Obstacle("plane"),
+                law="incremental",
+                friction_coefficient=FRICTION,
+            ),
+        ),
+        "steps": Steps(times=(1, 2)),
+        "solver": solver,
+    }
+    return Scene(**given | changes)
+
+
+FLAT, SOLID = ((6, 4), (2, 1)), ((3, 3, 2), (1, 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("varying", "constant", "right"),
+    [
+        ((2.0, 0.0), (), 2.5),
+        ((2.0, 0.0), (1.0, 0.0), 2.0),
+        ((2.0, 0.0), (-1.0, 0.0), 3.0),
+        ((0.0, 2.0, 0.0), (3.0, 0.0, 0.0), 2.0),
+        ((1.0, 1.0, 0.0), (3.0, 0.0, 0.0), (sqrt(41) - 3) / 2),
+    ],
+)
+def test_constant_loads_take_their_part_of_friction(varying, constant, right):
+    """|f₀ + s f₁| = μ p A: a constant pull along, against and across the one that grows."""
+    size = FLAT if len(varying) == 2 else SOLID
+    found = run(block(varying, constant), COMM, body=box_body(*size)).slip_limit
+    assert found.factor == pytest.approx(right, rel=1e-4)
+    assert found.kind == "pressures held"
+
+
+@pytest.mark.parametrize("angle", [0.3, -0.3])
+def test_loads_that_lift_or_press_grow_step_by_step(angle):
+    """A pull that rises by θ: s f cos θ = μ (p A − s f sin θ), other than by pressures found."""
+    pull = 2 * cos(angle), 2 * sin(angle)
+    result = run(block(pull), COMM, body=box_body(*FLAT))
+    right = FRICTION * PRESSURE / (pull[0] + FRICTION * pull[1])
+    assert result.slip_limit.kind == "load steps"
+    assert result.slip_limit.factor == pytest.approx(right, rel=2e-3)
+    assert result.quantities["slip_factor"] == result.slip_limit.factor
+    said = f"At {result.slip_limit.factor:.4g} times the loads that vary a part slips as a whole "
+    assert said + "(load steps)." in headlines(result)
+    auto = run(block(pull, solver=SolverSettings()), COMM, body=box_body(*FLAT))
+    assert auto.slip_limit.factor is None and auto.slip_limit.kind == ""
+    alone = run(block(pull, solver=SILENT), COMM, body=box_body(*FLAT))
+    for name in ("strain_energy", "normal_force"):
+        assert result.quantities[name] == pytest.approx(alone.quantities[name], rel=1e-9)
+
+
+def test_friction_that_grows_with_the_loads_has_no_limit():
+    """Pressed and pulled in one step: friction holds as much more as the loads ask for."""
+    scene = block((2.0, 0.0), steps=Steps())
+    loads = tuple(replace(load, path={"time": [0, 1], "factor": [0, 1]}) for load in scene.load)
+    found = run(replace(scene, load=loads), COMM, body=box_body(*FLAT)).slip_limit
+    assert found.factor is None and found.kind == ""
+
+
+def test_a_ring_in_a_ring_turns_at_its_torque(geometry):  # noqa: F811
+    """Without being asked: the inverse of the share, as nothing else acts."""
+    scene = replace(ring_in_ring(geometry, 0.6), solver=SolverSettings())
+    found = run(scene, COMM).slip_limit
+    assert found.factor == pytest.approx(1 / 0.6, rel=2e-3)
+    assert found.kind == "pressures held"
+
+
+def test_no_answer_on_the_way_halves_it(monkeypatch):
+    """Loads beyond the limit have no answer: the way there gets shorter."""
+    monkeypatch.setattr(slip_factor, "_WAY", 3.0)
+    found = run(block((2 * cos(0.3), 2 * sin(0.3))), COMM, body=box_body(*FLAT)).slip_limit
+    right = FRICTION * PRESSURE / (2 * cos(0.3) + FRICTION * 2 * sin(0.3))
+    assert found.factor == pytest.approx(right, rel=2e-3)
