@@ -91,8 +91,8 @@ def _rounded(found):
 def test_what_is_asked_besides_does_not_change_the_answer(asked):
     """Quantities, errors, checks, the way to them, the solver's reason: by nothing but round-off.
 
-    Two equal runs differ by it, too: on several ranks a factorisation adds what arrives in the order
-    in which it arrives, and sums of vectors depend on where these lie in the memory.
+    Two equal runs differ by it, too: on several ranks a factorisation adds what arrives in the
+    order in which it arrives, and sums of vectors depend on where these lie in the memory.
     """
     material = tuple(replace(one, density=1e-3) for one in ON_A_FLOOR.material)
     contact = (replace(ON_A_FLOOR.contact[0], law="incremental"),)
