@@ -34,7 +34,7 @@ _WAY = 0.8
 _NEAR, _TRIES = 5e-3, 12
 # Loads that have grown so much are not what makes parts slip.
 _MOST = 100.0
-_KEY = "factor"
+_FACTOR = "factor"
 
 
 @dataclass(frozen=True)
@@ -77,10 +77,10 @@ class _Growth:
 
         def measure(solution: Solution) -> Quantities:
             found = self.limit(solution, factor)
-            return {} if found is None else {_KEY: found}
+            return {} if found is None else {_FACTOR: found}
 
         found = last_step_again(self.load_steps, measure, partial(self._grow, factor))
-        return None if found is None else float(np.ravel(found[_KEY])[0])
+        return None if found is None else float(np.ravel(found[_FACTOR])[0])
 
     def _grow(self, factor: float, problem: Problem) -> None:
         assert self.load_steps.last is not None
