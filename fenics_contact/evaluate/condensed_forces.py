@@ -129,6 +129,11 @@ class CondensedForces(InternalForces):
         """Resultant of each applied support, (supports, components) (force)."""
         return self._rows.supports(self._state, self._scalars)
 
+    @cached_property
+    def moments_of_supports(self) -> Array:
+        """Moment of each applied support, (supports, rotations) (force times length)."""
+        return self._rows.support_moments(self._state, self._scalars) + 0.0  # no −0
+
     @property
     def of_all_supports(self) -> Array:
         """Resultant of all supports, (components,) (force)."""

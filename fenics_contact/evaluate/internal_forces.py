@@ -163,6 +163,15 @@ class InternalForces(ABC):
 
     @property
     @abstractmethod
+    def moments_of_supports(self) -> Array:
+        """Moment of the same forces of each, (supports, rotations) (force times length).
+
+        About ``support_moments.centres`` of the problem: of the three axes in space, of one in the
+        plane, of none in axisymmetric models.
+        """
+
+    @property
+    @abstractmethod
     def of_all_supports(self) -> Array:
         """Resultant of all of them, (components,) (force)."""
 

@@ -88,6 +88,19 @@ class BulkForces(InternalForces):
             row += resultant(spaces, by_node)
         return rows
 
+    @cached_property
+    def moments_of_supports(self) -> Array:
+        """Moment of each applied support, (supports, rotations) (force times length)."""
+        problem, needed = self.problem, self.unbalanced.reshape(-1)
+        turned, shared = problem.support_moments.of_unit_rotations, problem.shared_reactions
+        owned = problem.spaces.owned_nodes * problem.spaces.components
+        every = [dofs[dofs < owned] for dofs in own_dofs(problem)]
+        works = [turned(number, dofs) @ needed[dofs] for number, dofs in enumerate(every)]
+        ways = [turned(number, shared.dofs) for number in range(len(every))]
+        found: Array = total(problem.comm, np.array(works))
+        found += shared.moved_along(ways, needed, self.solution.displacement)
+        return found + 0.0  # no −0
+
     @property
     def of_all_supports(self) -> Array:
         """Resultant of all supports, (components,) (force)."""

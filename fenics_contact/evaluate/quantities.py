@@ -13,7 +13,7 @@ from fenics_contact.contact.state import OPEN, SLIP, STICK
 from fenics_contact.evaluate.internal_forces import InternalForces, own_dofs
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
-from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, STRAIN_ENERGY
+from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, REACTION_MOMENT, STRAIN_ENERGY
 from fenics_contact.quantities.quantity import Quantity, Together
 from fenics_contact.results.contact_points import WRITTEN, ContactPoints
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
@@ -21,21 +21,30 @@ from fenics_contact.solve.systems.solution import Solution
 
 
 def support_records(forces: InternalForces) -> list[SupportRecord]:
-    """A row a support: its resultant, and the mean displacement of what it holds; collective.
+    """A row a support: resultant, moment, and the mean displacement of what it holds; collective.
 
     Along each axis, None along others (length).
     """
     problem = forces.problem
     size = problem.spaces.owned_nodes * problem.spaces.components
+    centres, moments = problem.support_moments.centres, forces.moments_of_supports.tolist()
+    turning = [
+        {
+            REACTION_MOMENT: moment if len(moment) > 1 else moment[0],
+            "moment_about": centre.tolist(),
+        }
+        for centre, moment in zip(centres, moments, strict=False)
+    ] or [{}] * len(problem.applied_supports)
     return [
         SupportRecord(
             name=support.label,
             on=support.on,
             reaction=reaction.tolist(),
             displacement=_mean_displacement(forces, dofs[dofs < size]),
+            **turned,
         )
-        for support, reaction, dofs in zip(
-            problem.applied_supports, forces.of_supports, own_dofs(problem), strict=True
+        for support, reaction, dofs, turned in zip(
+            problem.applied_supports, forces.of_supports, own_dofs(problem), turning, strict=True
         )
     ]
 

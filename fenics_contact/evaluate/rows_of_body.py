@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from fenics_contact.solve.condensed.schur import Functional, GivenState, Key, Wa
 
 # Of a normal: squares of components below it are round-off.
 _ACROSS = 1e-9
+# By support and axis first: factors of what the bulk needs at each dof, and forces on the state.
+_SharedParts = Mapping[Any, tuple[Array, ForcesOnState]]
 
 
 class RowsOfBody:
@@ -58,6 +61,7 @@ class RowsOfBody:
         held = np.zeros(int(rows.maker.held.sum()))
         state = GivenState(np.zeros(rows.maker.count), held, np.zeros(len(rows.maker.held)))
         self.supports(state, none)
+        self.support_moments(state, none)
         self.of_parts(state)
         self.points(state)
         for number in range(len(problem.contacts)):
@@ -109,12 +113,57 @@ class RowsOfBody:
         problem = self._problem
         found = np.zeros((len(problem.applied_supports), problem.spaces.components))
         parts = self._rows.once("shared reactions", lambda: problem.shared_reactions.moved_by())
+        for key, value in self._of_shared("shared", parts, state, scalars).items():
+            found[int(key[0]), int(key[1])] = value
+        return found
+
+    def _of_shared(
+        self, name: str, parts: _SharedParts, state: GivenState, scalars: Array
+    ) -> dict[Key, float]:
+        """Values of forces on the state, and of factors of what the bulk needs at held dofs."""
         wanted: dict[Key, Callable[[], Functional]]
         wanted = {key: partial(self._on_state, one, held) for key, (held, one) in parts.items()}
-        values = self._rows.group("shared").values(wanted, state) if parts else {}
-        for key, (_, one) in parts.items():
-            found[key] = values[key] + one.on_scalars @ scalars
+        values = self._rows.group(name).values(wanted, state) if parts else {}
+        return {
+            key: float(values[key] + one.on_scalars @ scalars) for key, (_, one) in parts.items()
+        }
+
+    def support_moments(self, state: GivenState, scalars: Array) -> Array:
+        """Moment of each applied support, (supports, rotations) (force times length)."""
+        problem = self._problem
+        centres, count = problem.support_moments.centres, len(problem.applied_supports)
+        found = np.zeros((count, 1 if problem.spaces.components == 2 else 3))
+        if not centres:
+            return found[:, :0]
+        about = str([centre.tolist() for centre in centres])  # rows are of these points
+        wanted = self._rows.once(f"moments about {about}", self._turning)
+        for key, value in self._rows.group("moments of supports").values(wanted, state).items():
+            found[int(key[0]), int(key[1])] = value
+        parts = self._rows.once(f"shared about {about}", self._shared_turning)
+        for key, value in self._of_shared("shared moments", parts, state, scalars).items():
+            found[int(key[0]), int(key[1])] += value
         return found
+
+    def _turning(self) -> Wanted:
+        """Moments of reactions at each support's own dofs, by its number, axis and point."""
+        problem = self._problem
+        centres = problem.support_moments.centres
+        wanted: dict[Key, Callable[[], Functional]] = {}
+        for number, dofs in enumerate(own_dofs(problem)):
+            ways = problem.support_moments.of_unit_rotations(number, dofs)
+            sizes = total(problem.comm, np.abs(ways).sum(axis=1))
+            for axis in np.flatnonzero(sizes):
+                key = (number, int(axis), *centres[number].tolist())
+                wanted[key] = partial(self._held, dofs, ways[axis])
+        return wanted
+
+    def _shared_turning(self) -> _SharedParts:
+        """The same of dofs that several supports share."""
+        shared, turned = self._problem.shared_reactions, self._problem.support_moments
+        numbers = range(len(self._problem.applied_supports))
+        ways = [turned.of_unit_rotations(number, shared.dofs) for number in numbers]
+        found, centres = shared.moved_along_by(ways), turned.centres
+        return {(*key, *centres[key[0]].tolist()): forces for key, forces in found.items()}
 
     def of_parts(self, state: GivenState) -> tuple[Array, Array]:
         """Forces and moments of supports on each connected part of the body.

@@ -18,7 +18,6 @@ from fenics_contact.common.wording import one_line
 from fenics_contact.explore.messages import Message
 from fenics_contact.explore.shape import BodyShape
 from fenics_contact.quantities import table
-from fenics_contact.quantities.names import REACTION
 from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value, measured_by
 from fenics_contact.results.check_messages import failure
 from fenics_contact.results.contact_points import ContactPoints
@@ -102,15 +101,9 @@ def rows_of(
     for contact in numbers.contacts if len(numbers.contacts) > 1 else ():
         found += rows.of(contact.name, contact.quantities, contact.errors)
     for name, reaction in numbers.reactions.items():
-        found.append(
-            rows.row(
-                f"reaction of {one_line(name)}",
-                "force",
-                reaction.reaction,
-                REACTION,
-                reaction.errors,
-            )
-        )
+        for key, value in reaction.quantities.items():
+            said = f"{key.replace('_', ' ')} of {one_line(name)}"
+            found.append(rows.row(said, table.measured_by(key), value, key, reaction.errors))
     for name, preload in numbers.preloads.items():
         for key in OF_PRELOADS:
             words = f"{key} of {one_line(name)}"

@@ -29,6 +29,7 @@ from fenics_contact.problem.loads.disturbance import Disturbance, Drive
 from fenics_contact.problem.moving import MovingInertia
 from fenics_contact.problem.scalar_kinds import scalars_of
 from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
+from fenics_contact.problem.support_moments import SupportMoments
 from fenics_contact.problem.terms import SharedReactions, Term, terms_of
 from fenics_contact.results.contact_points import of_several_contacts
 from fenics_contact.scene.scene import Scene
@@ -140,6 +141,11 @@ class Problem:
     def shared_reactions(self) -> SharedReactions:
         """The dofs that several supports hold; once all supports are there; collective."""
         return SharedReactions(self.applied_supports, self.spaces, self.elastic)
+
+    @cached_property
+    def support_moments(self) -> SupportMoments:
+        """The points that moments of reactions are about; likewise."""
+        return SupportMoments(self.scene, self.applied_supports, self.discrete)
 
     @property
     def frictional(self) -> list[ContactSurface]:

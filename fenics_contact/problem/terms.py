@@ -25,7 +25,7 @@ from fenics_contact.body.supports import AppliedSupport
 from fenics_contact.body.transposed_form import ForcesOnState, TransposedForm
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal.law import NormalLaw
@@ -173,10 +173,10 @@ class SharedReactions:
         """Whether no rank has such dofs."""
         return all(form is None for form in self._forms)
 
-    def are_shared(self, supports: Collection[int], axis: int) -> bool:
-        """Whether some supports share dofs along an axis with others, or with each other."""
+    def are_shared(self, supports: Collection[int], axis: int | None) -> bool:
+        """Whether some supports share dofs along an axis, or any, with others or each other."""
         own = np.isin(np.arange(len(self._holds)), list(supports))
-        found = self._holds[own].any(axis=0) & (self._axes == axis)
+        found = self._holds[own].any(axis=0) & ((self._axes == axis) | (axis is None))
         return bool(total(self._spaces.comm, int(found.sum())) > 0)
 
     def moved(self, needed: Array, displacement: Array) -> Array:
@@ -189,20 +189,61 @@ class SharedReactions:
         Returns:
             (supports, components) (force).
         """
+        return self._summed(self._moved_parts(needed, displacement))
+
+    def moved_along(self, ways: Sequence[Array], needed: Array, displacement: Array) -> Array:
+        """The work of the same forces on displacements, such as their moments.
+
+        Args:
+            ways: Of each support, those of all ``dofs``, (ways, dofs) each (length).
+            needed: As of ``moved``.
+            displacement: Likewise.
+
+        Returns:
+            (supports, ways) (energy).
+        """
+        parts = self._moved_parts(needed, displacement)
+        works = [way @ part for way, part in zip(ways, parts, strict=True)]
+        return np.asarray(total(self._spaces.comm, np.array(works)))
+
+    def _moved_parts(self, needed: Array, displacement: Array) -> Array:
+        """The same part at each shared dof, (supports, dofs) (force)."""
         parts, left = self._parts(needed, displacement)
         holders = self._holds.sum(axis=0)
         parts = np.where(self._holds, parts + left / np.maximum(holders, 1), 0.0)
         if len(self._dofs):
             first = np.argmax(self._holds, axis=0)
             parts[first, np.arange(len(self._dofs))] -= needed[self._dofs]
-        return self._summed(parts)
+        return parts
+
+    @property
+    def dofs(self) -> Integers:
+        """The dofs that several supports share, of this rank's own, (dofs,)."""
+        return self._dofs
 
     def moved_by(self) -> dict[tuple[int, int], tuple[Array, ForcesOnState]]:
         """Forces on the state whose work is ``moved``, by support and axis.
 
         Returns:
+            As of ``moved_along_by``.
+        """
+        axes = np.arange(self._spaces.components)
+        units = np.where(axes[:, None] == self._axes, 1.0, 0.0)
+        if self._spaces.kinematics == "axisymmetric":
+            units[0] = 0.0  # radial forces cancel
+        return self.moved_along_by([units] * len(self._holds))
+
+    def moved_along_by(
+        self, ways: Sequence[Array]
+    ) -> dict[tuple[int, int], tuple[Array, ForcesOnState]]:
+        """Forces on the state whose work is ``moved_along``, by the numbers of support and way.
+
+        Args:
+            ways: As of ``moved_along``.
+
+        Returns:
             Factors of what the bulk needs at each dof of this rank, (dofs,), with what acts on the
-            state besides.
+            state besides; without those that are 0 on all ranks.
         """
         spaces, count = self._spaces, len(self._holds)
         if not count:
@@ -217,23 +258,21 @@ class SharedReactions:
         holders = np.maximum(self._holds.sum(axis=0), 1)
         first = np.argmax(self._holds, axis=0)
         found = {}
-        for number, axis in np.ndindex(count, spaces.components):
-            chosen = self._holds[number] & (self._axes == axis)
-            if (spaces.kinematics == "axisymmetric" and axis == 0) or not total(
-                spaces.comm, int(chosen.sum())
-            ):
+        for number, place in np.ndindex(count, len(ways[0])):
+            way = np.where(self._holds[number], ways[number][place], 0.0)
+            if not total(spaces.comm, int(np.count_nonzero(way))):
                 continue
-            left = np.where(chosen, 1 / holders, 0.0)
+            left = way / holders
             factors = np.zeros(spaces.components * len(spaces.coordinates))
-            factors[self._dofs] = left - np.where(chosen & (first == number), 1.0, 0.0)
+            factors[self._dofs] = left - np.where(first == number, way, 0.0)
             parts = []
             for other, form in enumerate(transposed):
                 if form is not None:
                     tested = np.zeros(len(factors))
-                    own = np.where(chosen, 1.0, 0.0) if other == number else 0.0
+                    own = way if other == number else 0.0
                     tested[self._dofs] = np.where(self._holds[other], own - left, 0.0)
                     parts.append(form.of(tested.reshape(-1, spaces.components)))
-            found[number, axis] = factors, ForcesOnState.sum(parts)
+            found[number, place] = factors, ForcesOnState.sum(parts)
         return found
 
     def unknown(self, needed: Array, displacement: Array, supports: Collection[int]) -> float:
@@ -246,11 +285,34 @@ class SharedReactions:
         """
         if self.are_none:
             return 0.0
-        _, left = self._parts(needed, displacement)
-        own = np.isin(np.arange(len(self._holds)), list(supports))
-        between = self._holds[own].any(axis=0) & self._holds[~own].any(axis=0)
+        left, between = self._left_between(needed, displacement, supports)
         unknown = self._summed(np.abs(left[between])[None], between)
         return _SAFETY * float(np.linalg.norm(unknown))
+
+    def unknown_along(
+        self, way: Array, needed: Array, displacement: Array, supports: Collection[int]
+    ) -> float:
+        """The same of the work of that part on displacements, such as of a moment (energy).
+
+        Args:
+            way: Displacements of ``dofs``, (ways, dofs) (length).
+            needed: As of ``moved``.
+            displacement: That needs it, (nodes, components).
+            supports: Their numbers.
+        """
+        if self.are_none:
+            return 0.0
+        left, between = self._left_between(needed, displacement, supports)
+        works = np.abs(way[:, between] * left[between]).sum(axis=1)
+        return _SAFETY * float(np.linalg.norm(total(self._spaces.comm, works)))
+
+    def _left_between(
+        self, needed: Array, displacement: Array, supports: Collection[int]
+    ) -> tuple[Array, Flags]:
+        """What stresses leave at shared dofs (force), and which some supports share with others."""
+        _, left = self._parts(needed, displacement)
+        own = np.isin(np.arange(len(self._holds)), list(supports))
+        return left, self._holds[own].any(axis=0) & self._holds[~own].any(axis=0)
 
     def _parts(self, needed: Array, displacement: Array) -> tuple[Array, Array]:
         """Parts of each support at each shared dof, and what is left of the force there."""

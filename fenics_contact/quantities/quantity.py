@@ -53,6 +53,7 @@ class Quantity:
         together: How the whole model's is made of those of contacts; None where contacts have none.
         is_of_some: Whether some contacts have none, such as those that do not wear.
         is_vector: Whether it has a component along each axis.
+        is_moment: Whether its components are about the axes: in plane models it is one number.
         is_asked_for: Whether an accuracy, a derivative or a fit can name it.
         has_true_value: Whether there is one to be apart from: then it has an error bar. Others
             count points, or say how a run went.
@@ -74,6 +75,7 @@ class Quantity:
     together: Together | None = None
     is_of_some: bool = False
     is_vector: bool = False
+    is_moment: bool = False
     is_asked_for: bool = False
     has_true_value: bool = True
     needs: str = ""

@@ -65,6 +65,15 @@ ROWS = (
         is_asked_for=True,
     ),
     Quantity(
+        names.REACTION_MOMENT,
+        "force·length",
+        "moment of the reaction of the supports of one name on the bodies, about `moment_about`, "
+        "by default the centroid of `on`: in space a vector, in plane models a number; not in "
+        "axisymmetric models. It is under `supports` and `reactions`, and not among `quantities`",
+        is_vector=True,
+        is_moment=True,
+    ),
+    Quantity(
         names.INDENTATION,
         "length",
         "how far a rigid obstacle has been driven, where there is one",

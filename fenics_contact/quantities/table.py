@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fenics_contact.quantities.names import OF_POINTS
+from fenics_contact.quantities.names import OF_POINTS, REACTION, REACTION_MOMENT
 from fenics_contact.quantities.quantity import Edge, Quantity, Together
 from fenics_contact.quantities.rows import ROWS
 
 # Of a quantity: a number, or the components of a vector.
 QuantityValue = float | Sequence[float]
 
+#: Quantities of supports.
+OF_SUPPORTS = (REACTION, REACTION_MOMENT)
 #: What quantities of preloads measure.
 MEASURED_BY_PRELOADS = {"force": "force", "elongation": "length"}
 _POINT = f"{OF_POINTS}NAME"  # the row of the displacement of each point
@@ -97,10 +99,18 @@ def has_true_value(name: str) -> bool:
     return row is not None and row.has_true_value
 
 
-def is_vector(name: str) -> bool:
-    """Whether a quantity has a component along each axis."""
+def is_vector(name: str, dimension: int = 3) -> bool:
+    """Whether a quantity has several components.
+
+    Args:
+        name: Of the quantity.
+        dimension: Number of axes of the model.
+
+    >>> is_vector("reaction", 2), is_vector("reaction_moment", 2), is_vector("reaction_moment", 3)
+    (True, False, True)
+    """
     row = find(name)
-    return row is not None and row.is_vector
+    return row is not None and row.is_vector and not (row.is_moment and dimension == 2)
 
 
 def measured_by(name: str) -> str:

@@ -9,8 +9,12 @@ from typing import Any, TypeAlias
 
 from fenics_contact.common.wording import one_line
 from fenics_contact.quantities import table
-from fenics_contact.quantities.names import REACTION
-from fenics_contact.quantities.table import MEASURED_BY_PRELOADS, has_true_value, measured_by
+from fenics_contact.quantities.table import (
+    MEASURED_BY_PRELOADS,
+    OF_SUPPORTS,
+    has_true_value,
+    measured_by,
+)
 from fenics_contact.results.check_messages import title
 from fenics_contact.results.compared_runs import (
     ComparedRun,
@@ -259,15 +263,20 @@ class Comparison:
         return [row for row in rows if not set(row[1:]) <= {"none", NOT_THERE}]
 
     def _supports(self) -> QuantityGroup:
-        """Reactions of the supports of each name."""
+        """Reactions of the supports of each name, and their moments."""
         rows = []
         for name in _names(self.runs, lambda run: run.result.reactions):
             found = [run.result.reactions.get(name) for run in self.runs]
-            estimates = [
-                None if one is None else Estimate(one.reaction, one.errors.get(REACTION))
-                for one in found
-            ]
-            rows.append(self._row(f"reaction of '{name}'", "force", estimates))
+            for key in OF_SUPPORTS:
+                estimates = [
+                    Estimate(one.quantities[key], one.errors.get(key))
+                    if one is not None and key in one.quantities
+                    else None
+                    for one in found
+                ]
+                if any(estimate is not None for estimate in estimates):
+                    words = f"{key.replace('_', ' ')} of '{name}'"
+                    rows.append(self._row(words, measured_by(key), estimates))
         return QuantityGroup("supports", rows)
 
     def _preloads(self) -> QuantityGroup:

@@ -86,13 +86,22 @@ def quantities_of_scalars(records: Mapping[str, Mapping[str, Any]]) -> dict[Hash
     }
 
 
-def reactions_by_name(supports: Sequence[SupportRecord]) -> dict[str, list[float]]:
-    """Resultant of the supports of each name."""
-    found: dict[str, list[float]] = {}
+def reactions_by_name(supports: Sequence[SupportRecord]) -> dict[str, dict[str, Any]]:
+    """Quantities of the supports of each name together: resultant and moment add up."""
+    found: dict[str, dict[str, Any]] = {}
     for support in supports:
-        before = found.get(support.name, [0.0] * len(support.reaction))
-        found[support.name] = [a + b for a, b in zip(before, support.reaction, strict=True)]
+        before = found.setdefault(support.name, {})
+        for name, value in support.quantities.items():
+            before[name] = _sum(before[name], value) if name in before else value
     return found
+
+
+def _sum(one: QuantityValue, other: QuantityValue) -> QuantityValue:
+    """Of two numbers, or of two vectors."""
+    if isinstance(one, Sequence) and isinstance(other, Sequence):
+        return [a + b for a, b in zip(one, other, strict=True)]
+    assert not isinstance(one, Sequence) and not isinstance(other, Sequence)
+    return one + other
 
 
 # Of what friction can hold: what it does not hold.

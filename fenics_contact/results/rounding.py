@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from fenics_contact.quantities.names import STRAIN_ENERGY
 from fenics_contact.quantities.table import QuantityValue, measured_by
-from fenics_contact.results.records.contacts import ContactRecord
+from fenics_contact.results.records.contacts import ContactRecord, ReactionRecord
 from fenics_contact.results.records.record import ErrorRow, Quantities
 
 #: In place of an error that was not estimated.
@@ -81,12 +81,14 @@ def bar_in_words(error: float | None) -> str:
     return _written(bar, place, bar)
 
 
-def sizes_of(quantities: Quantities, contacts: Iterable[ContactRecord]) -> Mapping[str, float]:
+def sizes_of(
+    quantities: Quantities, contacts: Iterable[ContactRecord | ReactionRecord]
+) -> Mapping[str, float]:
     """How large what is measured gets in a run: by this it is told what is round-off.
 
     Args:
         quantities: Of the whole model.
-        contacts: Its contacts.
+        contacts: Its contacts; or its supports.
 
     Returns:
         Of each that is measured, such as ``force``, the largest component; of lengths what the

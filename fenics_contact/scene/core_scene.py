@@ -81,4 +81,5 @@ class CoreScene(HasUnits):
             points=tuple(point.name for point in self.point),
             preloads=tuple(preload.label for preload in self.preload),
             dimension=self.dimension,
+            have_moments=self.kinematics != "axisymmetric",
         )

@@ -61,6 +61,11 @@ def _require_vectors(scene: CoreScene) -> None:
         for number, support in enumerate(scene.support)
         if support.rotation is not None and support.rotation.at is not None
     }
+    vectors |= {
+        f"support[{number}].moment_about": support.moment_about
+        for number, support in enumerate(scene.support)
+        if support.moment_about is not None
+    }
     for number, load in enumerate(scene.load):
         vectors |= load.vectors(f"load[{number}]")
     vectors |= {f"point[{number}].at": point.at for number, point in enumerate(scene.point)}
@@ -93,6 +98,7 @@ def _require_model(scene: CoreScene) -> None:
     for number, contact in enumerate(scene.contact):
         if contact.friction_law is not None:
             contact.friction_law.require_model(scene.kinematics, f"contact[{number}]")
+    _require_centres(scene)
     for number, load in enumerate(scene.load):
         load.require_model(scene.kinematics, f"load[{number}]")
     if scene.half_space is not None and (scene.load or scene.preload):
@@ -100,6 +106,24 @@ def _require_model(scene: CoreScene) -> None:
         raise ValueError(f"half_space: only the contacts' forces reach it, so leave out {what}")
     if scene.half_space is not None and scene.kinematics == "plane stress":
         raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
+
+
+def _require_centres(scene: CoreScene) -> None:
+    """Refuse points of moments of reactions that have none, or whose moments do not add up."""
+    centres: dict[str, tuple[float, ...]] = {}
+    for number, support in enumerate(scene.support):
+        key, about = f"support[{number}].moment_about", support.moment_about
+        if about is None:
+            continue
+        if scene.kinematics == "axisymmetric":
+            raise ValueError(f"{key}: of a whole turn there are no moments")
+        other = centres.setdefault(support.label, about)
+        if other != about:
+            raise ValueError(
+                f"{key} = {list(about)}: another support called '{support.label}' has "
+                f"{list(other)}, but the moments of supports of the same name add up; give both "
+                "the same point, or one of them another name"
+            )
 
 
 def _require_bolt(scene: CoreScene, preload: Preload, key: str) -> None:

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from fenics_contact.common.wording import nearest
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import FRICTION_WORK, OF_POINTS, REACTION
+from fenics_contact.quantities.table import OF_SUPPORTS
 from fenics_contact.scene.values import AXES
 
-_OF_SUPPORTS = (REACTION,)
 OF_PRELOADS = tuple(table.MEASURED_BY_PRELOADS)
 
 
@@ -36,13 +36,14 @@ class QuantityName:
 
 @dataclass(frozen=True)
 class Reaction:
-    """Key of the reaction of a support by its number, or of all supports of a name together.
+    """Key of a quantity of a support by its number, or of all supports of a name together.
 
     Keys of a contact's quantities are pairs of its number and the quantity, those of the whole
     model's the quantity alone.
     """
 
     of: int | str
+    quantity: str = REACTION
 
 
 @dataclass(frozen=True)
@@ -81,13 +82,16 @@ class QuantityNames:
         points: Each once.
         dimension: Number of components of a vector.
         preloads: Each once.
+        have_moments: Whether supports have moments: not in axisymmetric models.
 
-    >>> names = QuantityNames(("top",), ("left", "upper.left"), ("tip",), 2)
+    >>> names = QuantityNames(("top",), ("left", "upper.left"), ("tip",), 3)
     >>> names.find("upper.left.reaction_x")
     QuantityName(owner='upper.left', quantity='reaction', axis=0)
-    >>> names.find("left.normal_force")
+    >>> names.find("left.reaction_moment_z").axis
+    2
+    >>> names.find("left.normal_force")  # doctest: +ELLIPSIS
     Traceback (most recent call last):
-    ValueError: 'left.normal_force': the support 'left' has reaction, reaction_x, reaction_y
+    ValueError: 'left.normal_force': the support 'left' has reaction, reaction_x, ...
     """
 
     contacts: tuple[str, ...]
@@ -95,6 +99,7 @@ class QuantityNames:
     points: tuple[str, ...]
     dimension: int
     preloads: tuple[str, ...] = ()
+    have_moments: bool = True
 
     def find(self, text: str) -> QuantityName:
         """Return the quantity that a name is of.
@@ -121,8 +126,8 @@ class QuantityNames:
         """Return the key of a quantity in the dictionaries of values and errors."""
         if not name.owner:
             return name.quantity
-        if name.quantity in _OF_SUPPORTS:
-            return Reaction(name.owner)
+        if name.quantity in OF_SUPPORTS:
+            return Reaction(name.owner, name.quantity)
         if name.quantity in OF_PRELOADS:
             return OfScalar(name.owner, name.quantity)
         return (self.contacts.index(name.owner), name.quantity)
@@ -132,16 +137,22 @@ class QuantityNames:
         quantities = list(table.names_for_model()) if not owner else []
         quantities += [OF_POINTS + point for point in self.points] if not owner else []
         quantities += table.names_for_contacts() if owner in self.contacts else ()
-        quantities += _OF_SUPPORTS if owner in self.supports else ()
+        quantities += self._of_supports if owner in self.supports else ()
         quantities += OF_PRELOADS if owner in self.preloads else ()
         found: dict[str, list[QuantityName]] = {}
         for quantity in quantities:
             found.setdefault(quantity, []).append(QuantityName(owner, quantity))
-            if table.is_vector(quantity):
+            if table.is_vector(quantity, self.dimension):
                 for axis, letter in enumerate(AXES[: self.dimension]):
                     component = QuantityName(owner, quantity, axis)
                     found.setdefault(f"{quantity}_{letter}", []).append(component)
         return found
+
+    @property
+    def _of_supports(self) -> tuple[str, ...]:
+        """Quantities of a support."""
+        every = OF_SUPPORTS if self.have_moments else (REACTION,)
+        return tuple(every)
 
     def _accepted(self, owner: str, quantity: str, quantities: list[str]) -> str:
         """Return in words which names there are in place of an unknown one."""

@@ -22,16 +22,15 @@ from fenics_contact.mesh.refinement import is_of_order_1
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.curved_sides import halved_body
 from fenics_contact.quantities import table
-from fenics_contact.results.quantities import reactions_by_name
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Result
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.motion import Motion
-from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.scene.scene import Scene
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, row_of
+from fenics_contact.trust.error_estimates.measured import reactions
 
 # The part of ε and of ε₁ that is left.
 _LEFT = 1 / 32
@@ -191,8 +190,7 @@ def _values(step: StepRecord) -> dict[Hashable, Any]:
     found: dict[Hashable, Any] = dict(_true(step.quantities).items())
     for number, contact in enumerate(step.contacts):
         found |= {(number, name): value for name, value in _true(contact.quantities).items()}
-    found |= {Reaction(number): row.reaction for number, row in enumerate(step.supports)}
-    return found | {Reaction(name): of for name, of in reactions_by_name(step.supports).items()}
+    return found | reactions(step.supports)
 
 
 def _true(quantities: Quantities) -> dict[str, Any]:

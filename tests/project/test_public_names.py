@@ -71,7 +71,7 @@ SpeedDependentFriction: kind speeds shares
 Stability: number up_to points rayleigh
 Steps: number end times automatic smallest largest area_change
 StrainLifeLine: strength strength_exponent ductility ductility_exponent
-Support: on displacement path name
+Support: on displacement path name rotation moment_about
 Units: length force
 Wear: coefficient threshold share
 """

@@ -84,7 +84,7 @@ def require(scene: _AskingForDerivatives) -> None:
             found = scene.names.find(name)
         except ValueError as error:
             raise ValueError(f"derivatives.of: {error}") from None
-        if table.is_vector(found.quantity) and found.axis is None:
+        if table.is_vector(found.quantity, scene.dimension) and found.axis is None:
             raise ValueError(
                 f"derivatives.of: '{name}' is a vector; ask for its components, as {name}_x"
             )

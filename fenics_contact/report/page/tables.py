@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from markupsafe import Markup
 
-from fenics_contact.quantities.names import REACTION
+from fenics_contact.quantities.names import REACTION, REACTION_MOMENT
 from fenics_contact.quantities.table import (
     MEASURED_BY_PRELOADS,
+    OF_SUPPORTS,
     QuantityValue,
     has_true_value,
     measured_by,
@@ -111,6 +112,7 @@ def quantities_table(
 
 
 _BARS = ("± estimated error", "relative")
+_MOMENT = measured_by(REACTION_MOMENT)
 
 
 def _with_bar(value: float | list[float], row: ErrorRow | None, size: float) -> list[str]:
@@ -152,9 +154,11 @@ def errors_table(result: Outcome) -> Markup:
             key for key in resultants_of_contacts() if key in contact.errors and key not in idle
         ):
             found.append((key, of, contact.quantities.get(key), contact.errors[key]))
-    for name, reaction in result.reactions.items() if len(result.reactions) > 1 else ():
+    sizes = {**sizes, _MOMENT: max(sizes[_MOMENT], _largest_moment(result))}
+    for name, reaction in result.reactions.items():
         for key, row in reaction.errors.items():
-            found.append((key, f" of {name}", reaction.reaction, row))
+            if key != REACTION or len(result.reactions) > 1:
+                found.append((key, f" of {name}", reaction.quantities.get(key), row))
     errors = {
         named(key, of): row
         for key, of, value, row in found
@@ -165,15 +169,29 @@ def errors_table(result: Outcome) -> Markup:
 
 
 def reactions_table(result: Outcome) -> Markup:
-    """Resultants of the supports of each name, with error bars; nothing without any."""
-    has_bars = any(of.errors.get(REACTION) is not None for of in result.reactions.values())
-    forces = sizes_of(result.quantities, result.contacts)["force"]
-    head = headed(REACTION, "force", result.units)
-    rows: list[list[str]] = [["support", head, *(_BARS if has_bars else ())]]
+    """Resultants and moments of the supports of each name, with error bars; nothing without any."""
+    every = result.reactions.values()
+    has_bars = any(of.errors.get(REACTION) is not None for of in every)
+    sizes = {
+        REACTION: sizes_of(result.quantities, result.contacts)["force"],
+        REACTION_MOMENT: _largest_moment(result),
+    }
+    names = [key for key in OF_SUPPORTS if any(key in of.quantities for of in every)]
+    cells = 3 if has_bars else 1
+    rows: list[list[str]] = [["support"]]
+    for key in names:
+        rows[0] += [headed(words(key), measured_by(key), result.units), *_BARS[: cells - 1]]
     for name, of in result.reactions.items():
-        said = _with_bar(of.reaction, of.errors.get(REACTION), forces)
-        rows.append([name, *said[: 3 if has_bars else 1]])
+        row = [name]
+        for key in names:
+            row += _with_bar(of.quantities[key], of.errors.get(key), sizes[key])[:cells]
+        rows.append(row)
     return table(rows, "Reactions of supports") if result.reactions else Markup()
+
+
+def _largest_moment(result: Outcome) -> float:
+    """Largest component of the moments of reactions (force times length)."""
+    return sizes_of({}, result.reactions.values())[_MOMENT]
 
 
 def preloads_table(result: Outcome) -> Markup:

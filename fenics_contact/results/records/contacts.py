@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from fenics_contact.quantities.table import OF_SUPPORTS
 from fenics_contact.results.contact_points import PointArray
 from fenics_contact.results.records.record import Errors, Quantities, Record
 
@@ -154,17 +155,27 @@ class SupportRecord(Record):
         name: By default that of its group; several may have the same.
         on: The group.
         reaction: Resultant on the body, a vector (force).
+        reaction_moment: Its moment about `moment_about` (force times length): in space a vector, in
+            plane models a number.
+        moment_about: The point that it is about, by default the centroid of `on` (length).
         displacement: Mean of what it holds along each axis, null along others, a vector (length).
-        errors: Estimated error of the reaction.
+        errors: Estimated errors of the reaction and its moment.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors", "reaction_moment", "moment_about"})
 
     name: str
     on: str
     reaction: list[float]
+    reaction_moment: list[float] | float | None = None
+    moment_about: list[float] = field(default_factory=list)
     displacement: list[float | None] = field(default_factory=list)
     errors: Errors = field(default_factory=dict)
+
+    @property
+    def quantities(self) -> Quantities:
+        """Those that it has, by name."""
+        return _quantities_of_supports(self)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -173,13 +184,27 @@ class ReactionRecord(Record):
 
     Attributes:
         reaction: Resultant on the body, a vector (force).
-        errors: Estimated error of it.
+        reaction_moment: Its moment about their `moment_about` (force times length): in space a
+            vector, in plane models a number.
+        errors: Estimated errors of both.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors", "reaction_moment"})
 
     reaction: list[float]
+    reaction_moment: list[float] | float | None = None
     errors: Errors = field(default_factory=dict)
+
+    @property
+    def quantities(self) -> Quantities:
+        """Those that they have, by name."""
+        return _quantities_of_supports(self)
+
+
+def _quantities_of_supports(found: SupportRecord | ReactionRecord) -> Quantities:
+    """Quantities that supports have; in axisymmetric models they have no moments."""
+    every = {name: getattr(found, name) for name in OF_SUPPORTS}
+    return {name: value for name, value in every.items() if value is not None}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -115,6 +115,13 @@ class Support:
             "components it moves, or all of them where none is given"
         ),
     ] = None
+    moment_about: Annotated[
+        Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS] | None,
+        Field(
+            description="point that the quantity `reaction_moment` is about; by default the "
+            "centroid of `on`, of supports of the same name that of all of them"
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         if self.name is not None:

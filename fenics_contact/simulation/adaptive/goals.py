@@ -131,7 +131,7 @@ def _names_of(problem: Problem, text: str) -> list[str]:
         text: Its name; of a vector this stands for all components.
     """
     name = problem.scene.names.find(text)
-    if not table.is_vector(name.quantity) or name.axis is not None:
+    if not table.is_vector(name.quantity, problem.spaces.components) or name.axis is not None:
         return [text]
     return [f"{text}_{axis}" for axis in AXES[: problem.spaces.components]]
 

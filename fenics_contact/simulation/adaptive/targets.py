@@ -24,6 +24,7 @@ from fenics_contact.quantities.names import (
     NORMAL_FORCE,
     OF_POINTS,
     REACTION,
+    REACTION_MOMENT,
     STICK_AREA,
     STICK_RADIUS,
     STRAIN_ENERGY,
@@ -31,6 +32,7 @@ from fenics_contact.quantities.names import (
 from fenics_contact.results.check_messages import plan
 from fenics_contact.results.records.record import Errors, Quantities
 from fenics_contact.results.result import Result
+from fenics_contact.results.rounding import sizes_of
 from fenics_contact.scene.quantity_names import OF_PRELOADS, QuantityName, QuantityNames
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.settings import Accuracy
@@ -191,9 +193,9 @@ def _of_owner(result: Result, name: QuantityName) -> tuple[Quantities, Errors]:
     """Quantities and their errors, of what a name says that they are of."""
     if not name.owner:
         return result.quantities, result.errors
-    if name.quantity == REACTION:
+    if name.quantity in table.OF_SUPPORTS:
         of_supports = result.reactions[name.owner]
-        return of_supports, of_supports.errors
+        return of_supports.quantities, of_supports.errors
     if name.quantity in OF_PRELOADS:
         preload = result.preloads[name.owner]
         return preload, preload.errors
@@ -219,6 +221,8 @@ def _size(result: Result, values: Quantities, quantity: str) -> float:
     least = 0.0
     if quantity in _forces():
         least = _SMALL * force
+    elif quantity == REACTION_MOMENT:
+        least = _SMALL * sizes_of({}, result.reactions.values())[table.measured_by(quantity)]
     elif quantity.startswith(OF_POINTS) and force > 0:
         least = _SMALL * 2 * result.quantities[STRAIN_ENERGY] / force  # that goes with the force
     return max(float(np.linalg.norm(value)), least)

@@ -65,7 +65,7 @@ def find(problem: Problem, text: str) -> QuantityName:
         name = problem.scene.names.find(text)
     except ValueError as error:
         raise InputError(f"of: {error}") from None
-    if table.is_vector(name.quantity) and name.axis is None:
+    if table.is_vector(name.quantity, problem.spaces.components) and name.axis is None:
         raise InputError(f"of: '{text}' is a vector; ask for its components, such as {text}_x")
     known = (*_OF_CONTACTS, *MODEL_GRADIENTS)
     if name.quantity not in known and not name.quantity.startswith(OF_POINTS):

@@ -12,7 +12,7 @@ from typing import Self
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import of_every_rank
 from fenics_contact.contact.contact_surface import ContactSurface
@@ -27,7 +27,7 @@ from fenics_contact.evaluate.internal_forces import (
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarUnknown
 from fenics_contact.quantities import names
-from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, STRAIN_ENERGY
+from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, REACTION_MOMENT, STRAIN_ENERGY
 from fenics_contact.scene.quantity_names import QuantityName
 from fenics_contact.scene.values import AXES
 from fenics_contact.solve.condensed.adjoint import BodyGradient
@@ -318,10 +318,24 @@ def _reaction(problem: Problem, _solution: Solution, name: QuantityName) -> Stat
     return StateGradient.of_body(problem, BodyGradient(np.zeros_like(reactions), reactions))
 
 
-def _dofs_of(problem: Problem, owner: str, axis: int) -> Array:
-    """Dofs whose forces along an axis count to the supports of a name."""
+def _reaction_moment(problem: Problem, _solution: Solution, name: QuantityName) -> StateGradient:
+    dofs = _dofs_of(problem, name.owner, None)
+    numbers = [n for n, one in enumerate(problem.applied_supports) if one.label == name.owner]
+    arms = problem.support_moments.of_unit_rotations(numbers[0], dofs)[name.axis or 0]
+    reactions = np.zeros_like(problem.load)
+    reactions.reshape(-1)[dofs] = arms
+    return StateGradient.of_body(problem, BodyGradient(np.zeros_like(reactions), reactions))
+
+
+def _dofs_of(problem: Problem, owner: str, axis: int | None) -> Integers:
+    """Dofs whose forces along an axis, or along any, count to the supports of a name."""
     numbers = [n for n, one in enumerate(problem.applied_supports) if one.label == owner]
     if problem.shared_reactions.are_shared(numbers, axis):
+        if axis is None:
+            raise InputError(
+                f"of: '{owner}.reaction_moment' has no derivatives, as other supports hold some of "
+                "its points along the same axes"
+            )
         raise InputError(
             f"of: '{owner}.reaction_{AXES[axis]}' has no derivatives, as other supports hold "
             "some of its points along that axis too; the reaction of all supports has"
@@ -356,6 +370,7 @@ def of_point(problem: Problem, _solution: Solution, name: QuantityName) -> State
 #: By names of quantities.
 MODEL_GRADIENTS: Mapping[str, ModelGradient] = {
     REACTION: _reaction,
+    REACTION_MOMENT: _reaction_moment,
     STRAIN_ENERGY: _strain_energy,
     EXTERNAL_WORK: _external_work,
     "elongation": _elongation,

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from fenics_contact.quantities.names import REACTION
 from fenics_contact.quantities.table import MEASURED_BY_PRELOADS
 from fenics_contact.results.contact_points import ContactPoints
 from fenics_contact.results.quantities import reactions_by_name
@@ -100,8 +99,8 @@ def _row(parts: Iterable[_Part]) -> Row:
 def _of_supports(
     supports: Sequence[SupportRecord], errors: Mapping[str, Errors]
 ) -> Iterator[_Part]:
-    for name, reaction in reactions_by_name(supports).items():
-        yield f"{name}.", {REACTION: reaction}, errors.get(name, {})
+    for name, quantities in reactions_by_name(supports).items():
+        yield f"{name}.", quantities, errors.get(name, {})
 
 
 def _measured(preload: PreloadRecord) -> dict[str, Any]:

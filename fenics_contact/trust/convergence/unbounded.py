@@ -151,7 +151,8 @@ class Unbounded:
         if not isinstance(key, Reaction):
             return str(key[1] if isinstance(key, tuple) else key).replace("_", " ")
         supports = self._problem.applied_supports
-        return f"reaction of '{supports[key.of].name if isinstance(key.of, int) else key.of}'"
+        of = supports[key.of].name if isinstance(key.of, int) else key.of
+        return f"{key.quantity.replace('_', ' ')} of '{of}'"
 
 
 def _follows(name: Hashable) -> Singular | None:
@@ -268,12 +269,8 @@ def without_bars(result: Result, keys: Sequence[Hashable]) -> Result:
             for name, row in contact.errors.items()
         }
         contacts.append(dataclasses.replace(contact, errors=rows))
-    supports = [
-        _without_bar(row, Reaction(number), keys) for number, row in enumerate(result.supports)
-    ]
-    reactions = {
-        name: _without_bar(row, Reaction(name), keys) for name, row in result.reactions.items()
-    }
+    supports = [_without_bar(row, number, keys) for number, row in enumerate(result.supports)]
+    reactions = {name: _without_bar(row, name, keys) for name, row in result.reactions.items()}
     notes = [*result.error_notes, f"{said(keys, result)}, so there is no error bar."]
     return dataclasses.replace(
         result,
@@ -285,11 +282,13 @@ def without_bars(result: Result, keys: Sequence[Hashable]) -> Result:
     )
 
 
-def _without_bar(found: Held, key: Reaction, keys: Sequence[Hashable]) -> Held:
-    """Return a support, or supports of one name, without the error bar of an unbounded reaction."""
-    if key not in keys or not found.errors:
-        return found
-    return dataclasses.replace(found, errors={REACTION: _stripped(found.errors[REACTION])})
+def _without_bar(found: Held, of: int | str, keys: Sequence[Hashable]) -> Held:
+    """Return a support, or supports of one name, without the error bars of unbounded reactions."""
+    errors = {
+        name: _stripped(row) if Reaction(of, name) in keys else row
+        for name, row in found.errors.items()
+    }
+    return dataclasses.replace(found, errors=errors)
 
 
 def said(keys: Sequence[Hashable], result: Result) -> str:
@@ -298,7 +297,7 @@ def said(keys: Sequence[Hashable], result: Result) -> str:
     for key in keys:
         if isinstance(key, Reaction):
             of = result.supports[key.of].name if isinstance(key.of, int) else key.of
-            words.append(f"reaction of '{of}'")
+            words.append(f"{key.quantity.replace('_', ' ')} of '{of}'")
             continue
         name = str(key[1] if isinstance(key, tuple) else key).replace("_", " ")
         of = f" of '{result.contacts[key[0]].name}'" if isinstance(key, tuple) else ""
@@ -330,7 +329,9 @@ def _all(result: Result) -> list[tuple[Hashable, Mapping[str, float | None], Qua
         *result.reactions.items(),
     ]
     found += [
-        (Reaction(of), part.errors[REACTION], part.reaction) for of, part in parts if part.errors
+        (Reaction(of, name), row, part.quantities[name])
+        for of, part in parts
+        for name, row in part.errors.items()
     ]
     return [row for row in found if row[2] is not None]
 

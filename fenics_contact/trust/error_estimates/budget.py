@@ -18,7 +18,6 @@ from fenics_contact.quantities.names import (
     EXTERNAL_WORK,
     FRICTION_WORK,
     PENALTY_ENERGY,
-    REACTION,
     STRAIN_ENERGY,
 )
 from fenics_contact.results.quantities import (
@@ -90,8 +89,10 @@ class ErrorBudget:
             supports: Likewise.
         """
         of_contacts: list[dict[str, Row]] = [{} for _ in range(contacts)]
-        of = {key.of: {REACTION: row} for key, row in rows.items() if isinstance(key, Reaction)}
+        of: dict[int | str, dict[str, Row]] = {}
         for key, row in rows.items():
+            if isinstance(key, Reaction):
+                of.setdefault(key.of, {})[key.quantity] = row
             if isinstance(key, tuple):
                 of_contacts[key[0]][key[1]] = row
         return cls(
@@ -121,8 +122,8 @@ class ErrorBudget:
             supports: As of ``of_supports``.
         """
         return {
-            name: ReactionRecord(reaction=reaction, errors=self.reactions.get(name, {}))
-            for name, reaction in reactions_by_name(supports).items()
+            name: ReactionRecord(**quantities, errors=self.reactions.get(name, {}))
+            for name, quantities in reactions_by_name(supports).items()
         }
 
     def of_scalars(self, records: Mapping[str, ScalarRecord]) -> dict[str, ScalarRecord]:
@@ -150,8 +151,11 @@ def unknown_budget(scene: Scene, step: StepRecord) -> ErrorBudget:
     return ErrorBudget(
         quantities={name: row for name in _named(step.quantities)},
         contacts=[{name: row for name in _named(one.quantities)} for one in step.contacts],
-        supports=[{REACTION: row} for _ in step.supports],
-        reactions={name: {REACTION: row} for name in reactions_by_name(step.supports)},
+        supports=[dict.fromkeys(one.quantities, row) for one in step.supports],
+        reactions={
+            name: dict.fromkeys(quantities, row)
+            for name, quantities in reactions_by_name(step.supports).items()
+        },
         scalars=_by_scalar(dict.fromkeys(quantities_of_scalars(scalars_of_step(step)), row)),
     )
 

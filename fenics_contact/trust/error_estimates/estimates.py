@@ -10,7 +10,7 @@ from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
-from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE
+from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, REACTION_MOMENT
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
@@ -312,11 +312,15 @@ class Estimates:
         groups: dict[int | str, list[int]] = {number: [number] for number in range(len(labels))}
         for number, label in enumerate(labels):
             groups.setdefault(label, []).append(number)
-        unknown = problem.shared_reactions.unknown
-        displacement = last.solution.displacement
-        return {
-            Reaction(of): unknown(needed, displacement, numbers) for of, numbers in groups.items()
-        }
+        shared, turned = problem.shared_reactions, problem.support_moments.of_unit_rotations
+        moved = last.solution.displacement
+        found: dict[Hashable, float] = {}
+        for of, numbers in groups.items():
+            found[Reaction(of)] = shared.unknown(needed, moved, numbers)
+            way = turned(numbers[0], shared.dofs)
+            moment = Reaction(of, REACTION_MOMENT)
+            found[moment] = shared.unknown_along(way, needed, moved, numbers)
+        return found
 
     def _takes_history(self, source: str) -> bool:
         """Whether an estimate takes all load steps again, not the last one alone."""

@@ -80,7 +80,8 @@ def _rows(problem: Problem) -> int:
     """How many numbers are asked of the inside of a body, at the most."""
     spaces = problem.spaces
     supported = len(problem.applied_supports) * spaces.parts.count
-    return spaces.components * (supported + len(problem.points.places))
+    turning = len(problem.support_moments.centres) * (1 if spaces.components == 2 else 3)
+    return spaces.components * (supported + len(problem.points.places)) + turning
 
 
 def measured(
@@ -103,14 +104,14 @@ def measured(
         found |= {(number, name): value for name, value in known_quantities(of_contact).items()}
     found |= _losses_of_cycles(problem, solution)
     found |= quantities_of_scalars(scalar_records(problem, solution))
-    return found | _reactions(supports)
+    return found | reactions(supports)
 
 
 def recorded(
     step: Mapping[str, Any], answer: Mapping[Hashable, QuantityValue]
 ) -> dict[Hashable, QuantityValue]:
     """Quantities of a load step by the keys of ``Measured``, those that it has."""
-    found: dict[Hashable, QuantityValue] = dict(answer) | _reactions(step["supports"])
+    found: dict[Hashable, QuantityValue] = dict(answer) | reactions(step["supports"])
     found |= quantities_of_scalars(scalars_of_step(step))
     for key in answer:
         if isinstance(key, str | tuple):
@@ -137,12 +138,13 @@ def _losses_of_cycles(problem: Problem, solution: Solution) -> dict[Hashable, Qu
     return found | {LossOfCycle(cycle): loss for cycle, loss in every.items()}
 
 
-def _reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
-    """Return the reactions of each support, and of all supports of each name."""
-    found: dict[Hashable, QuantityValue] = {
-        Reaction(number): row.reaction for number, row in enumerate(supports)
-    }
-    return found | {Reaction(name): sum_ for name, sum_ in reactions_by_name(supports).items()}
+def reactions(supports: list[SupportRecord]) -> dict[Hashable, QuantityValue]:
+    """Return the quantities of each support, and of all supports of each name."""
+    every: list[tuple[int | str, Mapping[str, QuantityValue]]] = [
+        *((number, row.quantities) for number, row in enumerate(supports)),
+        *reactions_by_name(supports).items(),
+    ]
+    return {Reaction(of, name): value for of, found in every for name, value in found.items()}
 
 
 def known_quantities(quantities: Mapping[str, Any]) -> dict[Hashable, QuantityValue]:

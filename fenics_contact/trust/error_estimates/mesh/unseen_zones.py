@@ -46,6 +46,7 @@ from fenics_contact.quantities.names import (
     NORMAL_FORCE,
     PRESSURE_INTEGRAL,
     REACTION,
+    REACTION_MOMENT,
     SLIP_AREA,
     STICK_AREA,
 )
@@ -226,6 +227,8 @@ def unknown_by_pinned(problem: Problem, solution: Solution) -> dict[Hashable, fl
         add(of_contact(number, STICK_AREA, SLIP_AREA), pinned.area)
         for support, unknown in pinned.at_supports.items():
             add([REACTION, Reaction(support), Reaction(labels[support])], unknown)
+            moments = [Reaction(of, REACTION_MOMENT) for of in (support, labels[support])]
+            add(moments, unknown * problem.support_moments.reach(support))
         for other, unknown in pinned.at_contacts.items():
             names = (NORMAL_FORCE, PRESSURE_INTEGRAL, CONTACT_FORCE)
             add(of_contact(other, *names), unknown)
