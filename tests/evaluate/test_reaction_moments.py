@@ -1,4 +1,4 @@
-"""Moments of the reactions of supports: what equilibrium asks of them, with bars and derivatives."""
+"""Moments of the reactions of supports: from equilibrium, with bars and derivatives."""
 
 import dataclasses
 
@@ -78,7 +78,7 @@ def test_supports_of_a_name_add_up_about_the_centroid_of_all():
 
 
 def test_supports_that_meet_share_moments_as_they_share_forces():
-    """Uniform stress under a pressure: the walls' moments about the floor's middle cancel in all."""
+    """Under a uniform stress the moments of the walls about the floor's middle cancel."""
     about = (1.0, 0.0)
     sides = {"x0": {"x": 0}, "y0": {"x": 0, "y": 0}, "x1": {"x": 0}}
     scene = dataclasses.replace(
@@ -140,7 +140,11 @@ def pushed_block():
 def test_derivatives_are_those_of_differences():
     study = Study(pushed_block(), body=box_body((3, 3, 2), (1, 1, 1)))
     names = [f"top.reaction_moment_{axis}" for axis in "xyz"]
-    keys = {"load.0.force.1": 2.0, "support.1.displacement.z": 0.01, "material.0.youngs_modulus": 1e3}
+    keys = {
+        "load.0.force.1": 2.0,
+        "support.1.displacement.z": 0.01,
+        "material.0.youngs_modulus": 1e3,
+    }
     found = study.derivatives(names, list(keys))
     for key, value in keys.items():
         low, high = (
