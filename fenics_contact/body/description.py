@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.values import Kinematics, Value
+from fenics_contact.scene.values import AxisName, Kinematics, Value
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,23 @@ class HeldGroup:
 
     on: str
     axes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class SpringGroup:
+    """A boundary that springs hold.
+
+    Attributes:
+        on: Its name.
+        support: Number of the support.
+        stiffness: By component, such as ``(("x", 100.0),)``.
+        by_area: Whether this is by area (stress/length), not in all (force/length).
+    """
+
+    on: str
+    support: int
+    stiffness: tuple[tuple[AxisName, float], ...]
+    by_area: bool
 
 
 @dataclass(frozen=True)
@@ -75,6 +92,7 @@ class BodyDescription:
         outer: Groups of the outer boundary of a piece of a half-space.
         contacts: In scene order.
         preloads: Likewise.
+        springs: Of supports that give way, likewise.
     """
 
     kinematics: Kinematics
@@ -87,6 +105,7 @@ class BodyDescription:
     outer: tuple[str, ...]
     contacts: tuple[CandidateContact, ...]
     preloads: tuple[PreloadedGroup, ...] = ()
+    springs: tuple[SpringGroup, ...] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
@@ -106,6 +125,16 @@ class BodyDescription:
             ),
             preloads=tuple(
                 PreloadedGroup(each.group, each.axis, each.label) for each in scene.preload
+            ),
+            springs=tuple(
+                SpringGroup(
+                    each.on,
+                    number,
+                    tuple(each.sprung(scene.dimension).items()),
+                    each.foundation_stiffness is not None,
+                )
+                for number, each in enumerate(scene.support)
+                if each.is_elastic
             ),
         )
 

@@ -28,6 +28,7 @@ from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.body.springs import Springs
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
@@ -60,7 +61,8 @@ class ElasticBody:
         displacement: The unknown, a dolfinx function.
         preloaded: Parts whose unstressed length is changed.
         scalar_forces: What each scalar of the energy, such as that change, does to the body.
-        stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed.
+        springs: Those of elastic supports.
+        stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed, and springs.
         mixed: The forms of a mean stress, or None.
         reference_modulus: Largest stiffness of the body (stress).
     """
@@ -84,7 +86,13 @@ class ElasticBody:
         stress = self.displacement_stress(displacement)
         energy = strain_energy(self.strain(displacement), stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
-        self.stiffness = form_cache.form(ufl.derivative(residual, displacement))
+        self.springs = [Springs(each, spaces) for each in description.springs]
+        stiffness = ufl.derivative(residual, displacement)
+        u = ufl.TrialFunction(spaces.displacement_space)
+        v = ufl.TestFunction(spaces.displacement_space)
+        for each in self.springs:
+            stiffness += each.work(u, v)
+        self.stiffness = form_cache.form(stiffness)
         self.preloaded = self._place_preloads(description)
         self.scalar_forces = [self._forces_of(part) for part in self.preloaded]
 

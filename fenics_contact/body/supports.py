@@ -109,7 +109,7 @@ class HeldDofs:
     def _group(self, number: int, held: HeldGroup) -> Held:
         spaces = self._spaces
         nodes = spaces.nodes(spaces.body.group(held.on, f"support[{number}].on"))
-        axes = np.array([AXES.index(axis) for axis in held.axes])
+        axes = np.array([AXES.index(axis) for axis in held.axes], dtype=np.int64)
         return Held(held.on, (nodes.astype(np.int64) * spaces.components + axes[:, None]).ravel())
 
     def _walls(self, description: BodyDescription) -> list[tuple[int, float]]:
@@ -233,6 +233,8 @@ class Supports:
         spaces = self._spaces
         nodes = (held.dofs // spaces.components).astype(np.int32)
         axes = support.held(spaces.components)
+        if not axes:  # springs hold no dof
+            return AppliedSupport(held.on, held.dofs, np.zeros(0), name=support.label)
         nodes = nodes.reshape(len(axes), -1)
         given = [support.displacement.get(axis, 0.0) for axis in axes]
         values = [

@@ -13,6 +13,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root
 from fenics_contact.evaluate.internal_forces import Balances, InternalForces
+from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.rows_of_body import RowsOfBody, prescribed
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarState
@@ -69,8 +70,13 @@ class CondensedForces(InternalForces):
         self._state = GivenState(position, at_unknowns[body.held], forces)
 
     @classmethod
-    def of(cls, system: CondensedSystem, solution: Solution) -> CondensedForces:
-        """Forces of a solution, in the state of the system that has found it; collective."""
+    def of(cls, system: CondensedSystem, solution: Solution) -> InternalForces:
+        """Forces of a solution, in the state of the system that has found it; collective.
+
+        Springs of supports are stretched by displacements that are found inside.
+        """
+        if system.problem.feet:
+            return BulkForces(system.problem, solution)
         scalars = system.scalar_values(system.state)
         moved = system.contact_displacements()
         return cls(system.problem, solution, system.body, moved, scalars)

@@ -27,6 +27,7 @@ from fenics_contact.quantities.names import (
     FRICTION_WORK,
     KINETIC_ENERGY,
     PENALTY_ENERGY,
+    SPRING_ENERGY,
     STRAIN_ENERGY,
 )
 from fenics_contact.results.records.steps import LoadRecord
@@ -60,7 +61,7 @@ _SHARE = 0.02
 
 _OF_OBSTACLES = ("pressures", "frictions", "motions")
 _SUMS = ("work", "done", "round_off", "left_open", "changed")
-_STORED = (STRAIN_ENERGY, PENALTY_ENERGY, ELASTIC_SLIP_ENERGY, KINETIC_ENERGY)
+_STORED = (STRAIN_ENERGY, SPRING_ENERGY, PENALTY_ENERGY, ELASTIC_SLIP_ENERGY, KINETIC_ENERGY)
 _LOST = (FRICTION_WORK, DAMPING_WORK)
 
 

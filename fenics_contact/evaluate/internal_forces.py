@@ -154,6 +154,11 @@ class InternalForces(ABC):
         """½ a(e, e) of the elastic strain e: beyond what is free of stress (energy)."""
 
     @property
+    def spring_energy(self) -> float:
+        """In the springs of elastic supports (energy)."""
+        return 0.0
+
+    @property
     @abstractmethod
     def of_supports(self) -> Array:
         """Resultant of each applied support, (supports, components) (force).

@@ -37,6 +37,10 @@ class BulkForces(InternalForces):
     def __init__(self, problem: Problem, solution: Solution) -> None:
         super().__init__(problem, solution)
         self._unbalanced = solution.internal_force - problem.load - self.contacts
+        self.load = problem.load - problem.foot_load
+        #: Forces of the springs of each elastic support on the body, (nodes, components).
+        self.of_springs = [foot.forces(solution.displacement) for foot in problem.feet]
+        self._feet = [foot.displacement for foot in problem.feet]
 
     @property
     def unbalanced(self) -> Array:
@@ -50,7 +54,15 @@ class BulkForces(InternalForces):
 
     @cached_property
     def reactions(self) -> Array:
-        """Reactions of supports at the nodes, (nodes, components), 0 at free dofs (force)."""
+        """Reactions of supports at the nodes, (nodes, components) (force).
+
+        0 at free dofs where no springs act.
+        """
+        return np.add.reduce([self._rigid_reactions, *self.of_springs])
+
+    @property
+    def _rigid_reactions(self) -> Array:
+        """Reactions where supports hold dofs, (nodes, components) (force)."""
         return np.where(self.problem.free, 0.0, self.unbalanced)
 
     @cached_property
@@ -72,7 +84,15 @@ class BulkForces(InternalForces):
         """½ a(e, e) of the elastic strain e: beyond what is free of stress (energy)."""
         solution = self.solution
         product = self._summed(solution.displacement * solution.internal_force)
+        for foot in self.problem.feet:  # K has their springs, too
+            pull = foot.springs.pull(solution.displacement)
+            product -= self._summed(solution.displacement * pull)
         return 0.5 * (product + solution.work_on_scalars)
+
+    @property
+    def spring_energy(self) -> float:
+        """In the springs of elastic supports."""
+        return sum(foot.energy(self.displacement) for foot in self.problem.feet)
 
     @cached_property
     def of_supports(self) -> Array:
@@ -86,6 +106,9 @@ class BulkForces(InternalForces):
             by_node = np.zeros((len(mine), spaces.components))
             by_node[np.arange(len(mine)), mine % spaces.components] = needed[mine]
             row += resultant(spaces, by_node)
+        own = slice(spaces.owned_nodes)
+        for foot, force in zip(problem.feet, self.of_springs, strict=True):
+            rows[foot.springs.support] += resultant(spaces, force[own])
         return rows
 
     @cached_property
@@ -109,8 +132,10 @@ class BulkForces(InternalForces):
 
     @property
     def given_work(self) -> float:
-        """Work of loads and reactions on the displacement (energy)."""
-        return self._summed(self.displacement * (self.load + self.reactions))
+        """Work of loads and reactions on the displacement; of springs on that of their foot."""
+        given = self._summed(self.displacement * (self.load + self._rigid_reactions))
+        at_feet = zip(self._feet, self.of_springs, strict=True)
+        return given + sum(self._summed(moved * force) for moved, force in at_feet)
 
     def at_points(self) -> dict[str, list[float]]:
         """The displacement at the scene's points, by quantity."""
@@ -149,11 +174,18 @@ class BulkForces(InternalForces):
         return self.problem.scalar_states(self.displacement)
 
     def works_since(self, before: InternalForces | None) -> tuple[float, float]:
-        """Works of loads and reactions since another answer, by the trapezoidal rule (energy)."""
-        if before is None:
-            loads, reactions, moved = self.load, self.reactions, self.displacement
-        else:
+        """Works of loads and reactions since another answer, by the trapezoidal rule (energy).
+
+        Those of springs act at their foot.
+        """
+        pulls, feet = self.of_springs, self._feet
+        loads, reactions, moved = self.load, self._rigid_reactions, self.displacement
+        if before is not None:
             assert isinstance(before, BulkForces)
-            loads, reactions = before.load + self.load, before.reactions + self.reactions
-            moved = self.displacement - before.displacement
-        return 0.5 * self._summed(loads * moved), 0.5 * self._summed(reactions * moved)
+            loads, reactions = before.load + loads, before._rigid_reactions + reactions
+            moved = moved - before.displacement
+            pulls = [one + other for one, other in zip(before.of_springs, pulls, strict=True)]
+            feet = [other - one for one, other in zip(before._feet, feet, strict=True)]
+        works = [self._summed(pull * foot) for pull, foot in zip(pulls, feet, strict=True)]
+        held = self._summed(reactions * moved) + sum(works)
+        return 0.5 * self._summed(loads * moved), 0.5 * held

@@ -13,7 +13,13 @@ from fenics_contact.contact.state import OPEN, SLIP, STICK
 from fenics_contact.evaluate.internal_forces import InternalForces, own_dofs
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
-from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, REACTION_MOMENT, STRAIN_ENERGY
+from fenics_contact.quantities.names import (
+    EXTERNAL_WORK,
+    REACTION,
+    REACTION_MOMENT,
+    SPRING_ENERGY,
+    STRAIN_ENERGY,
+)
 from fenics_contact.quantities.quantity import Quantity, Together
 from fenics_contact.results.contact_points import WRITTEN, ContactPoints
 from fenics_contact.results.records.contacts import PreloadRecord, SupportRecord
@@ -35,16 +41,25 @@ def support_records(forces: InternalForces) -> list[SupportRecord]:
         }
         for centre, moment in zip(centres, moments, strict=False)
     ] or [{}] * len(problem.applied_supports)
+    feet = {foot.springs.support: foot for foot in problem.feet}
     return [
         SupportRecord(
             name=support.label,
             on=support.on,
             reaction=reaction.tolist(),
-            displacement=_mean_displacement(forces, dofs[dofs < size]),
+            displacement=feet[number].mean(forces.displacement)
+            if number in feet
+            else _mean_displacement(forces, dofs[dofs < size]),
             **turned,
         )
-        for support, reaction, dofs, turned in zip(
-            problem.applied_supports, forces.of_supports, own_dofs(problem), turning, strict=True
+        for number, (support, reaction, dofs, turned) in enumerate(
+            zip(
+                problem.applied_supports,
+                forces.of_supports,
+                own_dofs(problem),
+                turning,
+                strict=True,
+            )
         )
     ]
 
@@ -88,6 +103,7 @@ def global_quantities(forces: InternalForces, contacts: list[dict[str, Any]]) ->
         REACTION: forces.of_all_supports.tolist(),
         **made,
         STRAIN_ENERGY: forces.strain_energy,
+        **({SPRING_ENERGY: forces.spring_energy} if problem.feet else {}),
         EXTERNAL_WORK: float(work),
         **forces.at_points(),
     }

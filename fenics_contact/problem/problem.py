@@ -29,6 +29,7 @@ from fenics_contact.problem.loads.disturbance import Disturbance, Drive
 from fenics_contact.problem.moving import MovingInertia
 from fenics_contact.problem.scalar_kinds import scalars_of
 from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
+from fenics_contact.problem.spring_feet import SpringFoot
 from fenics_contact.problem.support_moments import SupportMoments
 from fenics_contact.problem.terms import SharedReactions, Term, terms_of
 from fenics_contact.results.contact_points import of_several_contacts
@@ -60,14 +61,19 @@ class Problem:
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
         loads: Those of the scene that are not zero.
+        feet: Of the springs of elastic supports.
         load_site: The body that they act on.
         elastic: ½ a(·, ·): law, compiled forms, stress.
-        given_load: Present nodal loads with the prescribed contact pressures, (nodes, components).
+        given_load: Present nodal loads with the prescribed contact pressures and ``foot_load``,
+            (nodes, components).
+        foot_load: The part of it that feet of springs make which are moved, likewise.
         load: What acts at the nodes in the balance to solve: the same, but in a step of motion.
         pressure_load: The part of it that is prescribed contact pressures.
         disturbance: Forces besides the scene's that grow with time, to see what they do, or None.
         scalar_disturbance: Right-hand sides of the equations of the body's scalars over pseudo-time
             besides the scene's, likewise, (body_scalars,) (force).
+        spring_disturbance: Forces of the springs of each of ``feet`` over pseudo-time besides those
+            of their stretch, a part of ``disturbance``, (nodes, components) each; or none.
         drive: Forces besides the scene's while all that this says rests, or None.
     """
 
@@ -88,6 +94,7 @@ class Problem:
         self.comm = self.spaces.comm
         self.disturbance: Disturbance | None = None
         self.drive: Drive | None = None
+        self.spring_disturbance: list[Array] = []
         self._shares: list[float] | None = None  # of the loads, at the present time
         self.stabilisation: list[AppliedSupport] = []
         with timings.phase("compile"):
@@ -125,6 +132,7 @@ class Problem:
                 for one in (load.acting,)
             ]
             self._pressures = self._assemble_pressures()
+            self.feet = [SpringFoot(each, scene, self.spaces) for each in self.elastic.springs]
             self.inertia = self._place_masses()
             self.set_time(scene.load_steps.all_times[-1])
 
@@ -279,7 +287,12 @@ class Problem:
     @property
     def applied(self) -> Array:
         """Sizes of the forces at the nodes that an imbalance is small against (force)."""
-        return self.inertia.applied(self.load, self.given_load)
+        found = self.inertia.applied(self.load - self.foot_load, self.given_load)
+        modulus, size = self.elastic.reference_modulus, self.spaces.size
+        for foot in self.feet:  # the body gives way as well: it gets less than a body that is held
+            share = 1 / (1 + foot.springs.stiffness.max() * size / modulus)
+            found = found + share * np.abs(foot.load)
+        return found
 
     def stick_all(self) -> None:
         """Take every contact point to stick, for a solve to begin with."""
@@ -312,6 +325,7 @@ class Problem:
         """Loads at a pseudo-time: other arrays, but where all are what they were."""
         shares = [path(time) for _, path in (*self._pressures, *self._loads)]
         self._load_shares = shares[len(self._pressures) :]
+        shares = [*shares, *(foot.path(time) for foot in self.feet)]
         if shares == self._shares and self.disturbance is None and self.drive is None:
             return
         self.pressure_load = np.zeros((len(self.spaces.coordinates), self.spaces.components))
@@ -320,6 +334,11 @@ class Problem:
         self.given_load = self.pressure_load.copy()
         for array, path in self._loads:
             self.given_load += array * path(time)
+        self.foot_load = np.zeros_like(self.given_load)
+        for number, foot in enumerate(self.feet):
+            foot.set_time(time, *self.spring_disturbance[number : number + 1])
+            self.foot_load += foot.load
+        self.given_load += self.foot_load
         self._shares = shares
         if self.disturbance is not None or self.drive is not None:
             self._shares = None
@@ -339,7 +358,14 @@ class Problem:
     @property
     def terms(self) -> list[Term]:
         """The energy terms modelled."""
-        return terms_of(self.elastic, self.loads, self.unknowns, self.contacts)
+        found = terms_of(self.elastic, self.loads, self.unknowns, self.contacts)
+        names = [self.scene.support[each.support].label for each in self.elastic.springs]
+        forms = [(each.form,) for each in self.elastic.springs]
+        springs = [
+            Term(f"springs of the support '{name}'", partial(tuple, form))
+            for name, form in zip(names, forms, strict=True)
+        ]
+        return [*found[:1], *springs, *found[1:]]
 
     def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""

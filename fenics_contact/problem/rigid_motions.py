@@ -133,6 +133,7 @@ class RigidMotions:
         held = np.zeros(owned * components, dtype=bool)
         held[problem.constrained[problem.constrained < owned * components]] = True
         rows = self._fields[:owned].reshape(-1, modes)[held]
+        rows = np.concatenate([rows, *self._on_springs()])
         every = [np.hstack([rows, np.zeros((len(rows), floats))])]
         for contact in problem.contacts:
             if contact.normal.sticks:
@@ -143,6 +144,15 @@ class RigidMotions:
                 every.append(jumps.reshape(-1, modes + floats))
         stacked = np.concatenate(every)
         return null_space(np.asarray(total(problem.comm, stacked.T @ stacked)))
+
+    def _on_springs(self) -> list[Array]:
+        """Motions of owned nodes along components that springs hold, (rows, modes)."""
+        found, owned = [], self._problem.spaces.owned_nodes
+        for springs in self._problem.elastic.springs:
+            nodes = self._problem.spaces.nodes(springs.group)
+            fields = self._fields[nodes[nodes < owned]][:, springs.stiffness > 0]
+            found.append(fields.reshape(-1, self._fields.shape[-1]))
+        return found
 
     def jumps(self, contact: ContactSurface) -> Array:
         """Jumps at the points of a contact in each motion, (points, components, count)."""
@@ -332,11 +342,14 @@ def apart(parts: Parts, fields: Array) -> Array:
 
 
 def is_part_free(problem: Problem) -> Flags:
-    """Whether no support holds anything of a part, (parts,); collective."""
+    """Whether no support and no spring holds anything of a part, (parts,); collective."""
     spaces = problem.spaces
     owned = spaces.owned_nodes
     held = np.zeros(owned * spaces.components)
     held[problem.constrained[problem.constrained < held.size]] = 1.0
+    for springs in problem.elastic.springs:
+        nodes = spaces.nodes(springs.group)
+        held.reshape(owned, -1)[nodes[nodes < owned]] = 1.0
     return np.asarray(spaces.parts.sums(held.reshape(owned, spaces.components).sum(axis=1)) == 0.0)
 
 

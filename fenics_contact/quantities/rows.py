@@ -174,11 +174,18 @@ ROWS = (
         names.STRAIN_ENERGY, "energy", "½ a(u, u)", is_asked_for=True, singular=Singular.ENERGY
     ),
     Quantity(
+        names.SPRING_ENERGY,
+        "energy",
+        "in the springs of elastic supports (`support.stiffness`), where there are some; no part "
+        "of `strain_energy`",
+        singular=Singular.ENERGY,
+    ),
+    Quantity(
         names.EXTERNAL_WORK,
         "energy",
         "work of loads, supports, obstacles, preloads and interferences along the load steps; "
         "of a single step that of the final forces on the final displacements, which is twice "
-        "the strain energy where all grows in proportion. An interference does work on its "
+        "the strain energy, with that of springs, where all grows in proportion. An interference does work on its "
         "way beyond a gap that is drawn",
         is_asked_for=True,
         singular=Singular.ENERGY,

@@ -286,6 +286,7 @@ def _is_held_as_one(scene: Scene) -> bool:
     values = [value for support in supports for value in support.displacement.values()]
     bodies = {group.split(".")[0] for group in groups}
     is_moved = all(isinstance(v, float | int) for v in values)
+    is_moved &= not any(support.is_elastic for support in supports)
     return len(bodies) == len(groups) and is_moved and not any(s.is_turned for s in supports)
 
 

@@ -54,6 +54,12 @@ def _require_vectors(scene: CoreScene) -> None:
                     f"support[{number}].displacement.{axis}: a {scene.kinematics} model has "
                     f"only the axes {', '.join(AXES[:dimension])}"
                 )
+        for axis in support.sprung(dimension):
+            if AXES.index(axis) >= dimension:
+                raise ValueError(
+                    f"support[{number}].{support.springs[0]}.{axis}: a {scene.kinematics} model "
+                    f"has only the axes {', '.join(AXES[:dimension])}"
+                )
         if support.rotation is not None:
             support.rotation.require_model(scene.kinematics, f"support[{number}].rotation")
     vectors: dict[str, Sequence[object]] = {
@@ -104,6 +110,9 @@ def _require_model(scene: CoreScene) -> None:
     if scene.half_space is not None and (scene.load or scene.preload):
         what = "load" if scene.load else "preload"
         raise ValueError(f"half_space: only the contacts' forces reach it, so leave out {what}")
+    springs = _springs(scene)
+    if scene.half_space is not None and springs:
+        raise ValueError(f"half_space: its boundary holds it, so leave out {springs[0]}")
     if scene.half_space is not None and scene.kinematics == "plane stress":
         raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
 
@@ -124,6 +133,15 @@ def _require_centres(scene: CoreScene) -> None:
                 f"{list(other)}, but the moments of supports of the same name add up; give both "
                 "the same point, or one of them another name"
             )
+
+
+def _springs(scene: CoreScene) -> list[str]:
+    """Keys of the stiffness of supports that are springs."""
+    return [
+        f"support[{number}].{support.springs[0]}"
+        for number, support in enumerate(scene.support)
+        if support.is_elastic
+    ]
 
 
 def _require_bolt(scene: CoreScene, preload: Preload, key: str) -> None:
@@ -219,6 +237,7 @@ def _require_motion(scene: CoreScene) -> None:
         **dict.fromkeys(registry.tables_not_with(scene, "motion"), True),
         "solver.branches": scene.solver.branches,
         "solver.stabilisation": scene.solver.stabilisation,
+        **dict.fromkeys(_springs(scene), True),
     }
     for key, is_there in others.items():
         if is_there:

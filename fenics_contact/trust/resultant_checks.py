@@ -124,6 +124,11 @@ def _held_axes(problem: Problem) -> Flags:
     along = np.zeros((len(dofs), size))
     along[np.arange(len(dofs)), dofs % size] = 1.0
     held = np.asarray(spaces.parts.sums(along, dofs // size) > 0)
+    for springs in problem.elastic.springs:
+        nodes = spaces.nodes(springs.group)
+        nodes = nodes[nodes < spaces.owned_nodes]
+        along = np.broadcast_to(springs.stiffness > 0, (len(nodes), size)).astype(float)
+        held |= np.asarray(spaces.parts.sums(along, nodes) > 0)
     if spaces.kinematics == "axisymmetric":
         held[:, 0] = True  # radial forces have no resultant
     return held

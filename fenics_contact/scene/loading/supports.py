@@ -1,4 +1,4 @@
-"""Supports of a scene: displacements that it prescribes, and faces that it turns."""
+"""Supports of a scene: displacements that it prescribes, faces that it turns, and springs."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from fenics_contact.scene.quantity_names import require_name
 from fenics_contact.scene.units.dimensions import (
     LENGTH,
     PLACE,
+    SPRING,
+    STIFFNESS,
 )
 from fenics_contact.scene.values import (
     AXES,
@@ -24,6 +26,7 @@ from fenics_contact.scene.values import (
     Kinematics,
     LoadPath,
     Number,
+    Positive,
     Text,
     Value,
     scene_class,
@@ -87,9 +90,12 @@ class FaceRotation:
             raise ValueError(f"{key}.axis is missing: give the direction of the axis")
 
 
+_PER_COMPONENT = Field(min_length=1)
+
+
 @scene_class
 class Support:
-    """Prescribed displacement components (the paper's Γ_D), or the rotation of a face.
+    """Prescribed displacement components (the paper's Γ_D), the rotation of a face, or springs.
 
     >>> Support("left", {"x": 0, "y": lambda x: 0.01 * x[1]}).path(2.0)
     1.0
@@ -122,20 +128,81 @@ class Support:
             "centroid of `on`, of supports of the same name that of all of them"
         ),
     ] = None
+    stiffness: Annotated[
+        Annotated[Positive, SPRING]
+        | Annotated[Mapping[AxisName, Annotated[Positive, SPRING]], _PER_COMPONENT]
+        | None,
+        Field(
+            description="total stiffness of springs to the ground, spread evenly over the "
+            "boundary; a number for every component, or component → number, others are free. "
+            "`displacement` is then that of the springs' foot, by default 0"
+        ),
+    ] = None
+    foundation_stiffness: Annotated[
+        Annotated[Positive, STIFFNESS]
+        | Annotated[Mapping[AxisName, Annotated[Positive, STIFFNESS]], _PER_COMPONENT]
+        | None,
+        Field(description="in place of `stiffness`: that of the springs by area; likewise"),
+    ] = None
 
     def __post_init__(self) -> None:
         if self.name is not None:
             require_name(self.name)
-        if not self.displacement and self.rotation is None:
-            raise ValueError("give displacement or rotation")
+        if self.is_elastic:
+            self._require_springs()
+        elif not self.displacement and self.rotation is None:
+            raise ValueError("give displacement, rotation, stiffness or foundation_stiffness")
 
-    def held(self, dimension: int) -> tuple[AxisName, ...]:
-        """The components that it holds.
+    def _require_springs(self) -> None:
+        """Refuse what springs cannot have beside them."""
+        if self.stiffness is not None and self.foundation_stiffness is not None:
+            raise ValueError("give stiffness or foundation_stiffness, not both")
+        if self.rotation is not None:
+            raise ValueError(
+                "rotation: not beside stiffness or foundation_stiffness; give the displacement of "
+                "the springs' foot as a function of the place"
+            )
+        key, given = self.springs
+        for axis in self.displacement:
+            if isinstance(given, Mapping) and axis not in given:
+                raise ValueError(
+                    f"displacement.{axis}: no spring acts along {axis}; give {key}.{axis}, or "
+                    f"leave displacement.{axis} out"
+                )
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether it is springs, which give way."""
+        return self.stiffness is not None or self.foundation_stiffness is not None
+
+    @property
+    def springs(self) -> tuple[str, float | Mapping[AxisName, float]]:
+        """Key of the springs' stiffness, and what the scene gives for it."""
+        if self.stiffness is not None:
+            return "stiffness", self.stiffness
+        assert self.foundation_stiffness is not None
+        return "foundation_stiffness", self.foundation_stiffness
+
+    def sprung(self, dimension: int) -> dict[AxisName, float]:
+        """The springs' stiffness by component; empty without springs.
 
         Args:
             dimension: Number of axes of the model.
         """
-        return tuple(self.displacement) or AXES[:dimension]
+        if not self.is_elastic:
+            return {}
+        _, given = self.springs
+        if isinstance(given, Mapping):
+            return dict(given)
+        return dict.fromkeys(AXES[:dimension], given)
+
+    def held(self, dimension: int) -> tuple[AxisName, ...]:
+        """The components that it holds; none where springs give way.
+
+        Args:
+            dimension: Number of axes of the model.
+        """
+        return () if self.is_elastic else tuple(self.displacement) or AXES[:dimension]
 
     @property
     def moves(self) -> bool:

@@ -39,6 +39,8 @@ _KEYS = {
     "Support": {
         **dict.fromkeys(("group", "surface", "boundary", "where", "face", "edge"), "on"),
         **dict.fromkeys(("value", "values", "u", "fixed", "fix", "dofs"), "displacement"),
+        **dict.fromkeys(("k", "spring", "springs", "spring_stiffness"), "stiffness"),
+        **dict.fromkeys(("bedding", "foundation", "elastic_foundation"), "foundation_stiffness"),
         "amplitude": "path",
     },
     "Load": {

@@ -47,6 +47,8 @@ class UnitNames:
         Args:
             words: Such as ``stress/length``; empty of a pure number.
         """
+        if self.per_unit_thickness and words == SPRING.words:
+            return self._of_all("force/area")
         if self.per_unit_thickness and words in _RESULTANTS:
             return self._of_all(f"{words}/length")
         return self._of_all(_PER_THICKNESS.get(words, words) if self.per_unit_thickness else words)
@@ -180,6 +182,7 @@ VELOCITY = Dimension("length/time", 1, 0, -1)
 COMPLIANCE = Dimension("length/stress", 3, -1)
 PER_STRESS = Dimension("1/stress", 2, -1)
 STIFFNESS = Dimension("stress/length", -3, 1)
+SPRING = Dimension("force/length", -1, 1, is_resultant=True)
 STIFFNESS_OF_POWER = _OfPower("stress/length^m", -2, 1)
 OF_KEY = _OfKey("", 0, is_said=False)
 

@@ -161,7 +161,7 @@ def _squared_adjoint(
     virtual = multipliers.displacement - energy * step.solution.displacement
     forces = stiffness.forces(multipliers.unknowns) - energy * step.solution.internal_force
     forces.reshape(-1)[problem.constrained] = 0.0
-    return local.squared_of(virtual, forces, -energy)
+    return local.squared_of(virtual, forces, -energy, multipliers.displacement)
 
 
 def _shares(problem: Problem, values: Array) -> Array:

@@ -54,6 +54,7 @@ class QuantityGradient:
         self._problem = problem = adjoint.problem
         self._step = step
         self._adjoint, self._energy, self._resultant = adjoint, state.energy, state.resultant
+        self._springs = state.springs
         numbered = list(enumerate(problem.contacts))
         tractions = [self._traction(number, state) for number, _ in numbered]
         start = adjoint.opposing(tractions)
@@ -120,6 +121,8 @@ class QuantityGradient:
             found += float(self._at_constrained @ change.prescribed)
         if change.columns:
             found += self._along_columns(change)
+        for place, forces in change.springs.items():
+            found += self._along_springs(place, forces(self._step.solution.displacement)[owned])
         if change.modulus is not None:
             found += self._along_modulus(*change.modulus)
         itself = 0.0
@@ -151,6 +154,13 @@ class QuantityGradient:
         scalars = self._step.unknowns.scalars
         moved = sum(scalars[place] * column for place, column in change.columns.items())
         return float(self._at_constrained[outer] @ moved)
+
+    def _along_springs(self, place: int, forces: Array) -> float:
+        """By forces of springs that change at this rank's own nodes, (nodes, components)."""
+        felt = self.multipliers.displacement[: len(forces)]
+        if self._springs is not None:
+            felt = felt + self._springs[place]
+        return float(np.sum(felt * forces))
 
     def _along_modulus(self, number: int, name: str) -> float:
         """(e/2 u − ψ) · K_θ u of a quantity that has e times the strain energy in it."""

@@ -43,6 +43,8 @@ class StateGradient:
         scalars: In the scalar unknowns, beside what these do to jumps and displacements.
         body: In the body, None where the contacts tell all of it.
         energy: How often the strain energy is in it: of that, stiffness is a part.
+        springs: In forces of the springs of elastic supports on the body, with the displacement
+            held: one entry for each of ``Problem.feet``, (components,); None for none.
         resultant: Gives the quantity itself, in the same state, where it is one of the whole
             thickness, as forces and energies are; collective.
     """
@@ -51,6 +53,7 @@ class StateGradient:
     scalars: Array
     body: BodyGradient | None = None
     energy: float = 0.0
+    springs: Array | None = None
     resultant: Callable[[], float] | None = None
 
     @classmethod
@@ -269,6 +272,8 @@ def _strain_energy(problem: Problem, solution: Solution, _name: QuantityName) ->
 def _energies(problem: Problem, solution: Solution, factor: float) -> StateGradient:
     """The gradient of a multiple of the strain energy."""
     nodal = factor * solution.internal_force
+    for foot in problem.feet:  # K has their springs, too, whose energy is another
+        nodal = nodal - factor * foot.springs.pull(solution.displacement)
     body = BodyGradient(nodal, np.zeros_like(nodal))
     forces = [factor * state.force for state in solution.scalars]
     scalars = StateGradient.of_scalars(problem, zip(problem.body_scalars, forces, strict=True))
@@ -281,6 +286,11 @@ def _external_work(problem: Problem, solution: Solution, _name: QuantityName) ->
         raise InputError(
             "of: 'external_work' has derivatives where there is one load step; else it is "
             "summed up along them"
+        )
+    if problem.feet:
+        raise InputError(
+            "of: 'external_work' has no derivatives beside a support's stiffness; the "
+            "strain_energy has"
         )
     found = _energies(problem, solution, 2.0)
     for number, contact in enumerate(problem.contacts):
@@ -315,7 +325,23 @@ def _reaction(problem: Problem, _solution: Solution, name: QuantityName) -> Stat
     if not is_radial:  # over a revolution they cancel
         mine = dofs[dofs % problem.spaces.components == name.axis]
         reactions.reshape(-1)[mine] = 1.0
-    return StateGradient.of_body(problem, BodyGradient(np.zeros_like(reactions), reactions))
+    displacement, springs = _of_springs(problem, name, not is_radial)
+    found = StateGradient.of_body(problem, BodyGradient(displacement, reactions))
+    return replace(found, springs=springs)
+
+
+def _of_springs(problem: Problem, name: QuantityName, counts: bool) -> tuple[Array, Array]:
+    """The reaction of springs: its derivatives in the displacement, and in forces of springs."""
+    assert name.axis is not None
+    displacement = np.zeros_like(problem.load)
+    springs = np.zeros((len(problem.feet), problem.spaces.components))
+    along = np.zeros_like(problem.load)
+    along[:, name.axis] = 1.0
+    for number, foot in enumerate(problem.feet):
+        if counts and name.owner in (None, "", foot.label):
+            springs[number, name.axis] = 1.0
+            displacement -= foot.springs.pull(along)
+    return displacement, springs
 
 
 def _reaction_moment(problem: Problem, _solution: Solution, name: QuantityName) -> StateGradient:

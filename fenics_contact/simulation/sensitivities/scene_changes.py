@@ -7,7 +7,7 @@ bodies are held.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_kinds import Resultant, Shortening
 from fenics_contact.scene.loading.load_kinds import slope_of
 from fenics_contact.scene.obstacle import Obstacle
-from fenics_contact.scene.values import Value
+from fenics_contact.scene.values import AXES, Value
 from fenics_contact.simulation.sensitivities.scene_values import found_in, numbered, value_under
 
 _OF_PROFILES = "of a profile, only the values have"
@@ -47,6 +47,8 @@ class Change:
         scalars: Number of a scalar unknown → the right-hand side of its equation.
         columns: Number of a scalar unknown → its column of the far field.
         modulus: Number of a material and name of its modulus, if it is one.
+        springs: Number of a foot of ``Problem.feet`` → how forces of its springs on the body
+            change with a displacement of the body, (nodes, components); collective.
         of_resultants: What forces and energies change by, over themselves, with all else the same.
     """
 
@@ -56,6 +58,7 @@ class Change:
     scalars: Mapping[int, float] = field(default_factory=dict)
     columns: Mapping[int, Array] = field(default_factory=dict)
     modulus: tuple[int, str] | None = None
+    springs: Mapping[int, Callable[[Array], Array]] = field(default_factory=dict)
     of_resultants: float = 0.0
 
     def added(self, other: Change) -> Change:
@@ -117,6 +120,8 @@ class SceneChanges:
 
     def _of_thickness(self, thickness: float) -> Change:
         """Stresses are those of forces that are so many times smaller, where forces are given."""
+        if self.problem.feet:
+            raise _refused("thickness", "not beside a support's stiffness, which it changes not")
         found = Change(of_resultants=1 / thickness)
         for number, preload in enumerate(self._shortenings):
             own = self._of_preload(f"preload.{number}.force", number, ["force"])
@@ -144,6 +149,8 @@ class SceneChanges:
 
     def _of_support(self, key: str, number: int, rest: list[str]) -> Change:
         problem, support = self.problem, self.problem.scene.support[number]
+        if support.is_elastic and rest[0] != "path":
+            return self._of_springs(key, number, rest)
         if support.rotation is not None and rest == ["rotation", "angle"]:
             unit_turn = replace(support.rotation, angle=1.0)
             found = problem.supports.rotation_slopes(number, unit_turn, self.time)
@@ -156,6 +163,23 @@ class SceneChanges:
         unit = _unit(key, support.displacement[axis], rest[2:])
         found = problem.supports.slopes(number, axis, unit, self.time)
         return Change(prescribed=self._at_constrained(problem.supports.dofs, found))
+
+    def _of_springs(self, key: str, number: int, rest: list[str]) -> Change:
+        """The change by the stiffness of springs, or by the displacement of their foot."""
+        support, feet = self.problem.scene.support[number], self.problem.feet
+        place = next(n for n, foot in enumerate(feet) if foot.springs.support == number)
+        foot = feet[place]
+        if rest[0] == "displacement":
+            axis = next(axis for axis in support.displacement if axis == rest[1])
+            unit = _unit(key, support.displacement[axis], rest[2:])
+            load = foot.path(self.time) * foot.springs.pull(foot.moved(axis, unit))
+            return Change(springs={place: lambda moved: load})
+        size = self.problem.spaces.components
+        share = np.zeros(size)
+        for axis, value in support.sprung(size).items():
+            if rest[1:] in ([], [axis]):
+                share[AXES.index(axis)] = 1 / value
+        return Change(springs={place: lambda moved: share * foot.forces(moved)})
 
     def _at_constrained(self, dofs: Integers, values: Array) -> Array:
         """Values at all dofs that are constrained, 0 at others."""

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.condensed_forces import CondensedForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import ContactPoints
@@ -170,7 +171,7 @@ class _QuickSteps(StepListener):
     """
 
     def __init__(
-        self, load_steps: LoadSteps, history: StepHistory[CondensedForces], watch: Watch | None
+        self, load_steps: LoadSteps, history: StepHistory[InternalForces], watch: Watch | None
     ) -> None:
         self._load_steps, self._history, self._watch = load_steps, history, watch
         self.warm = WarmStart()
@@ -187,7 +188,7 @@ class _QuickSteps(StepListener):
 
 
 def _measured(
-    history: StepHistory[CondensedForces], solution: Solution, start: Start, checks: bool
+    history: StepHistory[InternalForces], solution: Solution, start: Start, checks: bool
 ) -> Answer:
     """Return the answer of the last load step, in whose state the problem still is; collective."""
     problem, steps = history.forces.problem, history.steps

@@ -18,6 +18,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.point_gradients import GivenChange
 from fenics_contact.evaluate.condensed_forces import CondensedForces
+from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.steps import StepRecord
@@ -167,7 +168,7 @@ class _RecordedSteps(StepListener):
         steps: All of them.
     """
 
-    def __init__(self, records: StepHistory[CondensedForces]) -> None:
+    def __init__(self, records: StepHistory[InternalForces]) -> None:
         self._records = records
         self.steps: list[AcceptedStep] = []
 
@@ -227,12 +228,14 @@ class _Errors:
         problem = self._problem
         local.solve(BulkForces(problem, step.solution), step.unknowns.time)
         for draw in _DRAWS:
-            forces, on_scalars = local.forces(draw)
+            forces = local.forces(draw)
             scalars = {
                 problem.unknowns.index(scalar): -float(more)
-                for scalar, more in zip(problem.body_scalars, on_scalars, strict=True)
+                for scalar, more in zip(problem.body_scalars, forces.on_scalars, strict=True)
             }
-            yield f"errors mesh {draw}", Change(load=forces, scalars=scalars)
+            load = np.add.reduce([forces.nodal, *(-one for one in forces.on_springs)])
+            springs = {n: partial(_always, one) for n, one in enumerate(forces.on_springs)}
+            yield f"errors mesh {draw}", Change(load=load, scalars=scalars, springs=springs)
 
     def along(self, found: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
         """Return the change of quantities by each source, (draws, steps, quantities).
@@ -244,6 +247,11 @@ class _Errors:
             source: np.array([[row[name] for row in found] for name in names])
             for source, names in self._names.items()
         }
+
+
+def _always(forces: Array, displacement: Array) -> Array:
+    """Forces of springs that do not follow the displacement."""
+    return forces
 
 
 def _without_penalty(contact: ContactSurface) -> GivenChange:

@@ -79,7 +79,7 @@ def _all(problem: Problem, time: float) -> list[tuple[int, int, _Torn]]:
     for number, support in enumerate(problem.scene.support):
         applied = problem.supports.applied[number]
         group = problem.body.group(applied.on, f"support[{number}].on")
-        if group.dimension != problem.body.dimension - 1:
+        if support.is_elastic or group.dimension != problem.body.dimension - 1:
             continue
         for axis, value in support.displacement.items():
             if callable(value):

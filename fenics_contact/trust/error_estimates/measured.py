@@ -68,7 +68,7 @@ class Measured:
     def _forces(self, solution: Solution) -> InternalForces:
         """Return the forces that the bulk needs in the present state; collective."""
         problem, system = self._problem, self._system
-        follows = problem.elastic.mixed is not None or problem.body_scalars
+        follows = problem.elastic.mixed is not None or problem.body_scalars or problem.feet
         if follows or not isinstance(system, CondensedSystem) or _rows(problem) > _MOST_ROWS:
             return BulkForces(problem, solution)
         scalars = system.scalar_values(system.state)

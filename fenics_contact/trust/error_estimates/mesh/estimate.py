@@ -50,7 +50,7 @@ from fenics_contact.trust.error_estimates.mesh.edge_places import edge_place_err
 from fenics_contact.trust.error_estimates.mesh.followed_loads import FollowedLoads, drawn_forces
 from fenics_contact.trust.error_estimates.mesh.geometry import geometry_errors
 from fenics_contact.trust.error_estimates.mesh.load_scatter import load_scatter, piece_share
-from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+from fenics_contact.trust.error_estimates.mesh.local_problems import ForcesOfErrors, LocalErrors
 from fenics_contact.trust.error_estimates.mesh.singular_places import (
     obstacle_edge_errors,
     single_point_errors,
@@ -150,7 +150,10 @@ def mesh_errors(
     whole, at_random = changes
     for name, error in local.at_points().items():
         whole[name] += error
-    for key, energy in _energies(recorded[-1][1], 0.5 * local.total**2).items():
+    of_errors = _energies(recorded[-1][1], 0.5 * local.total**2)
+    if problem.feet:  # their energy and the body's may change against each other
+        of_errors[STRAIN_ENERGY] *= 2
+    for key, energy in of_errors.items():
         if key in whole:
             whole[key] = max(whole[key], energy)
     at_contacts = _at_contacts(problem, solution)
@@ -249,10 +252,11 @@ def _changes(
     """
     found = []
     last = drawn_forces(local, draws)
-    every = followed.every([forces for forces, _ in last])
+    every = followed.every([one.nodal for one in last])
     load_steps.newton.system.precompute_loads([forces for rows in every for forces in rows])
-    for number, (forces, (_, on_scalars)) in enumerate(zip(every, last, strict=True)):
-        disturb = partial(_disturb, followed, forces, on_scalars, load_steps.time)
+    for number, (forces, at_end) in enumerate(zip(every, last, strict=True)):
+        on_scalars = at_end.on_scalars
+        disturb = partial(_disturb, followed, forces, at_end, load_steps.time)
         way = drawn if number else again
         change = way.effects(disturb, None if number else held.look)
         if change is None:
@@ -273,17 +277,19 @@ def _changes(
 def _disturb(
     followed: FollowedLoads,
     forces: Sequence[Array],
-    on_scalars: Array,
+    at_end: ForcesOfErrors,
     last: float,
     share: float,
     problem: Problem,
 ) -> None:
     """Add nodal forces, as they follow the loads; collective.
 
-    Forces given on the body's scalars are so much less as errors add to them.
+    Forces given on the body's scalars are so much less as errors add to them; of springs errors are
+    a part of the stretch.
     """
     problem.disturbance = followed.along([share * one for one in forces])
-    problem.scalar_disturbance = -share * on_scalars / last
+    problem.scalar_disturbance = -share * at_end.on_scalars / last
+    problem.spring_disturbance = [share * one / last for one in at_end.on_springs]
     problem.set_time(last)
 
 

@@ -17,14 +17,14 @@ from fenics_contact.problem.loads.disturbance import Disturbance
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
-from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
+from fenics_contact.trust.error_estimates.mesh.local_problems import ForcesOfErrors, LocalErrors
 from fenics_contact.trust.error_estimates.solving_again import Again
 
 # Of pseudo-times that are the same.
 _SAME = 1e-9
 
-# Nodal forces of each draw of signs, and what the errors add on the body's scalars.
-Drawn = list[tuple[Array, Array]]
+# Of each draw of signs.
+Drawn = list[ForcesOfErrors]
 
 
 def drawn_forces(local: LocalErrors, draws: int) -> Drawn:
@@ -93,7 +93,7 @@ class FollowedLoads:
             last: At the end, of each draw.
         """
         return [
-            [*(drawn[number][0] for _, drawn in sorted(self._known.items())), forces]
+            [*(drawn[number].nodal for _, drawn in sorted(self._known.items())), forces]
             for number, forces in enumerate(last)
         ]
 

@@ -4,12 +4,14 @@ R. E. Bank and A. Weiser, Some a posteriori error estimators for elliptic partia
 equations, Math. Comp. 44 (1985) 283-301: the error e of a cell K solves, among the bubbles w of
 one degree more, a_K(e, w) = (f, w)_K - a_K(u, w) + ∫_∂K t·w, where t is the mean of the tractions
 of the two cells at a facet, and on the boundary what acts on it. Under contacts that is the
-traction whose nodal forces are those of the contact. Where the mean stress is an unknown of its
+traction whose nodal forces are those of the contact, on springs k (ū - u), which the error
+stretches as well: there a_K has ∫ k e w. Where the mean stress is an unknown of its
 own, it has an error of its own in every cell, too (``mean_stress_errors``).
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +22,7 @@ from numpy.typing import NDArray
 from ufl.core.expr import Expr
 
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.body.springs import Springs
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
@@ -40,6 +43,21 @@ _MORE = 2
 _AT_ONCE = 1000
 # Waves along the axes, much shorter than cells are: their signs are as if drawn.
 _WAVES = (71234.567, 53219.871, 61731.319)
+
+
+@dataclass(frozen=True, eq=False)
+class ForcesOfErrors:
+    """Forces that move a solution as its errors do.
+
+    Attributes:
+        nodal: At the nodes, (nodes, components) (force).
+        on_scalars: What the errors add to the forces on the body's scalars, (body_scalars,) (force).
+        on_springs: The part of ``nodal`` that each of ``Problem.feet`` exerts, likewise.
+    """
+
+    nodal: Array
+    on_scalars: Array
+    on_springs: list[Array]
 
 
 class LocalErrors:
@@ -63,6 +81,7 @@ class LocalErrors:
         dofs = self._space.dofmap.list[: self._cells]
         self._blocks = dofs[:, 0] // dofs.shape[1]  # of every cell
         self._mean_stress: MeanStressErrors | None = None
+        self._springs = [(foot, *self._on_springs(foot.springs)) for foot in problem.feet]
         self._stiffness = self._stiffnesses()
         if problem.elastic.mixed is not None:
             self._mean_stress = MeanStressErrors(problem, self._test, self._rule, self._blocks)
@@ -85,6 +104,14 @@ class LocalErrors:
         ]
         self._work = [self._work_on(trace) for _, trace in self._traces()]
         self._response_on_contacts = self._contact_response(test)
+        self._response_on_springs = [
+            form_cache.form(
+                -foot.springs.work(
+                    test, self._error, spaces.boundary(foot.springs.group, self._rule)
+                )
+            )
+            for foot in problem.feet
+        ]
         self._loads = [
             (form_cache.form(load.acting.work(self._test)), load.path) for load in problem.loads
         ]
@@ -95,6 +122,10 @@ class LocalErrors:
         acting = self._problem.scene.path_time(time)
         for form, path in self._loads:
             right += path(acting) * self._assembled(form)
+        for foot, stretch, form in self._springs:
+            moved = self._problem.displacement.x.array.reshape(foot.displacement.shape)
+            stretch.x.array[:] = (foot.displacement - moved).reshape(-1)
+            right += self._assembled(form)
         for (contact, trace), form in zip(self._traces(), self._work, strict=True):
             self._set_traction(trace, _nodal_forces(forces, contact, trace))
             right += self._assembled(form)
@@ -107,18 +138,25 @@ class LocalErrors:
         self._found = found
         self._set_error(np.ones(self._cells))
 
-    def squared_of(self, virtual: Array, forces: Array, loaded: float) -> Array:
+    def squared_of(
+        self, virtual: Array, forces: Array, loaded: float, stretch: Array | None = None
+    ) -> Array:
         """a_K(e, e) of the errors of a virtual displacement, of own cells, (cells,); collective.
 
         Args:
             virtual: At the nodes, (nodes, components), such as that of an adjoint.
             forces: That hold it where contacts are, at the nodes, likewise.
             loaded: How often the loads of the scene act on it, at their full size.
+            stretch: By what springs are stretched, if not by the virtual displacement.
         """
+        stretch = virtual if stretch is None else stretch
         self._virtual.x.array[:] = virtual.reshape(-1)
         right = self._assembled(self._virtual_residual)
         for form, _ in self._loads:
             right += loaded * self._assembled(form)
+        for _, stretched, form in self._springs:
+            stretched.x.array[:] = -stretch.reshape(-1)
+            right += self._assembled(form)
         for (_, trace), form in zip(self._traces(), self._work, strict=True):
             self._set_traction(trace, forces[trace.surface.body_nodes])
             right += self._assembled(form)
@@ -153,7 +191,7 @@ class LocalErrors:
         found = self._problem.points.of_function(self._error)
         return {name: float(np.linalg.norm(error)) for name, error in found.items()}
 
-    def forces(self, draw: int | None = None) -> tuple[Array, Array]:
+    def forces(self, draw: int | None = None) -> ForcesOfErrors:
         """Nodal forces that move the solution as its errors do, (nodes, components); collective.
 
         The Galerkin solution of the space with the bubbles, in which these are condensed: they
@@ -164,17 +202,18 @@ class LocalErrors:
                 is then that of errors of their size, though as they are they may cancel.
 
         Returns:
-            Nodal forces, (nodes, components); and what the errors add to the forces on the body's
-            scalars, (body_scalars,) (force).
+            Those forces, with the parts of them that scalars and springs exert.
         """
         spaces = self._problem.spaces
         if draw is not None:
             self._set_error(self._signs(draw))
-        found = spaces.assemble(self._response) + spaces.assemble(self._response_on_contacts)
+        on_springs = [spaces.assemble(form) for form in self._response_on_springs]
+        every = (self._response, self._response_on_contacts)
+        found = np.add.reduce([*(spaces.assemble(form) for form in every), *on_springs])
         own = [fem.assemble_scalar(form) for form in self._on_scalars]
         on_scalars = np.asarray(total(self._problem.comm, np.array(own, dtype=np.float64)))
         self._set_error(np.ones(self._cells))
-        return found, on_scalars
+        return ForcesOfErrors(found, on_scalars, on_springs)
 
     def _error_stress(self) -> Expr:
         """Return the stress of the errors in UFL, (3, 3)."""
@@ -222,6 +261,12 @@ class LocalErrors:
             + ufl.dot(self._cut(stress), tested) * held(1)
         )
 
+    def _on_springs(self, springs: Springs) -> tuple[fem.Function, CompiledForm]:
+        """A stretch of springs, and the work on bubbles of the forces that it makes."""
+        stretch = fem.Function(self._problem.spaces.displacement_space)
+        measure = self._problem.spaces.boundary(springs.group, self._rule)
+        return stretch, form_cache.form(springs.work(stretch, self._test, measure))
+
     def _work_on(self, trace: Trace) -> CompiledForm:
         """Work of a contact's traction on bubbles, on one of its surfaces."""
         spaces = self._problem.spaces
@@ -255,7 +300,11 @@ class LocalErrors:
         trial = ufl.TrialFunction(self._space)
         stress = spaces.weight * elastic.displacement_stress(trial)
         measure = ufl.dx(spaces.body.mesh, metadata=self._rule_of_stress)
-        form = form_cache.form(ufl.inner(stress, elastic.strain(self._test)) * measure)
+        work = ufl.inner(stress, elastic.strain(self._test)) * measure
+        for springs in elastic.springs:
+            on = spaces.boundary(springs.group, self._rule)
+            work += springs.work(trial, self._test, on)
+        form = form_cache.form(work)
         count, size = self._space.dofmap.list.shape[1], self._space.dofmap.index_map_bs
         blocks = fem.assemble_matrix(form).to_scipy().data
         blocks = blocks.reshape(-1, count, count, size, size)[: self._cells]
@@ -307,7 +356,8 @@ def _held_facets(problem: Problem) -> NDArray[np.int32]:
     Without those on the axis of revolution, which have no area.
     """
     scene, spaces = problem.scene, problem.spaces
-    names = [support.on for support in scene.support] + list(scene.symmetry)
+    names = [support.on for support in scene.support if not support.is_elastic]
+    names += list(scene.symmetry)
     names += [] if scene.half_space is None else list(scene.half_space.on)
     groups = [spaces.body.group(name, "support") for name in names]
     parts = [spaces.facets(g) for g in groups if g.dimension == spaces.body.dimension - 1]

@@ -1,0 +1,94 @@
+"""The feet of the springs that hold a body: where a scene moves them, and what that does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.body.springs import Springs
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import total
+from fenics_contact.scene.loading.load_paths import KeyedPath
+from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import AXES, AxisName, Value
+
+
+class SpringFoot:
+    """The foot of the springs of a support, with its path; collective.
+
+    Attributes:
+        springs: The springs.
+        label: Name of the support in results.
+        path: How the foot moves over the load steps.
+        displacement: ū at present, (nodes, components) (length).
+        load: ∫ k ū φ at present, likewise (force).
+
+    Args:
+        springs: The springs.
+        scene: Of which their support is.
+        spaces: Those of the body.
+    """
+
+    def __init__(self, springs: Springs, scene: Scene, spaces: Spaces) -> None:
+        self.springs, self._spaces = springs, spaces
+        support, key = scene.support[springs.support], f"support[{springs.support}]"
+        self.label = support.label
+        self.path: Callable[[float], float] = KeyedPath(support.path, f"{key}.path")
+        self._whole = np.zeros((len(spaces.coordinates), spaces.components))
+        for axis, value in support.displacement.items():
+            self._whole += self.moved(axis, value)
+        self._load = springs.pull(self._whole)
+        self.displacement, self.load = self._whole, self._load
+        self._besides: Array | float = 0.0
+
+    def moved(self, axis: AxisName, value: Value) -> Array:
+        """A displacement of the foot along one axis, (nodes, components); collective (length).
+
+        Args:
+            axis: The axis.
+            value: As a scene gives it.
+        """
+        nodes = self._spaces.nodes(self.springs.group)
+        key = f"support[{self.springs.support}].displacement.{axis}"
+        found = np.zeros((len(self._spaces.coordinates), self._spaces.components))
+        found[nodes, AXES.index(axis)] = self._spaces.evaluate(value, nodes, key)
+        return found
+
+    def set_time(self, time: float, besides: Array | float = 0.0) -> None:
+        """Move the foot to a pseudo-time.
+
+        Args:
+            time: The pseudo-time.
+            besides: Forces over pseudo-time besides those of the stretch, (nodes, components).
+        """
+        share = self.path(time)
+        self.displacement, self.load = share * self._whole, share * self._load
+        self._besides = time * besides
+
+    def forces(self, displacement: Array) -> Array:
+        """Forces ∫ k (ū − u) φ of the springs on the body, (nodes, components); collective (force).
+
+        Args:
+            displacement: u at the nodes of this rank, likewise (length).
+        """
+        return self.load - self.springs.pull(displacement) + self._besides
+
+    def energy(self, displacement: Array) -> float:
+        """½ ∫ k (u − ū)² of a displacement; collective (energy).
+
+        What forces besides those of the stretch add counts at first order.
+        """
+        own = slice(self._spaces.owned_nodes)
+        pull = self.forces(displacement) + self._besides
+        stretch = self.displacement - displacement
+        return 0.5 * float(total(self._spaces.comm, np.sum(stretch[own] * pull[own])))
+
+    def mean(self, displacement: Array) -> list[float | None]:
+        """Mean of a displacement over the surface, by component; None where no spring acts."""
+        own = slice(self._spaces.owned_nodes)
+        pulled = self.springs.pull(displacement)[own].sum(axis=0)
+        whole = self.springs.stiffness * self.springs.area
+        sums = total(self._spaces.comm, pulled)
+        return [float(s / k) if k > 0 else None for s, k in zip(sums, whole, strict=True)]
