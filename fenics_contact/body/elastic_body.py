@@ -28,7 +28,7 @@ from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.body.springs import Springs
+from fenics_contact.body.springs import springs_of
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
@@ -86,7 +86,7 @@ class ElasticBody:
         stress = self.displacement_stress(displacement)
         energy = strain_energy(self.strain(displacement), stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
-        self.springs = [Springs(each, spaces) for each in description.springs]
+        self.springs = springs_of(description.springs, spaces)
         stiffness = ufl.derivative(residual, displacement)
         u = ufl.TrialFunction(spaces.displacement_space)
         v = ufl.TestFunction(spaces.displacement_space)

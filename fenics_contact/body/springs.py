@@ -7,6 +7,9 @@ as a load, which the problem has with the path of the support.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -14,11 +17,38 @@ from ufl.core.expr import Expr
 
 from fenics_contact.body.description import SpringGroup
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
+from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.values import AXES
+
+
+def springs_of(described: Sequence[SpringGroup], spaces: Spaces) -> list[Springs]:
+    """Return the springs of a body, whose forms may be added up; collective.
+
+    Args:
+        described: What the scene says of them.
+        spaces: Those of the body.
+
+    Raises:
+        InputError: A surface is no boundary, or has no area.
+    """
+    keys = [f"support[{each.support}].on" for each in described]
+    groups = [
+        spaces.body.boundary(each.on, key) for each, key in zip(described, keys, strict=True)
+    ]
+    topology = spaces.body.mesh.topology
+    facets = [
+        (number, compat.boundary_entities(topology, spaces.body.entities(group)))
+        for number, group in enumerate(groups)
+    ]
+    return [
+        Springs(each, number, groups[number], facets, spaces)
+        for number, each in enumerate(described)
+    ]
 
 
 class Springs:
@@ -32,17 +62,27 @@ class Springs:
 
     Args:
         described: What the scene says of them.
+        number: Of the surface among ``facets``.
+        group: The surface.
+        facets: Numbers and facets of the surfaces of all springs of the body.
         spaces: Those of the body.
 
     Raises:
-        InputError: The surface is no boundary, or has no area.
+        InputError: The surface has no area.
     """
 
-    def __init__(self, described: SpringGroup, spaces: Spaces) -> None:
+    def __init__(
+        self,
+        described: SpringGroup,
+        number: int,
+        group: Group,
+        facets: list[tuple[int, Any]],
+        spaces: Spaces,
+    ) -> None:
         self._spaces, self.support = spaces, described.support
+        self._number, self.group, self._facets = number, group, facets
         key = f"support[{described.support}].on"
-        self.group = spaces.body.boundary(described.on, key)
-        self._measure = spaces.boundary(self.group, {"quadrature_degree": spaces.bulk_degree + 2})
+        self._measure = self.measure(spaces.bulk_degree + 2)
         own = fem.assemble_scalar(form_cache.form(spaces.weight * self._measure))
         self.area = float(total(spaces.comm, float(np.real(own))))
         if self.area <= 0:
@@ -54,6 +94,16 @@ class Springs:
         self._moved = fem.Function(spaces.displacement_space)
         test = ufl.TestFunction(spaces.displacement_space)
         self.form = form_cache.form(self.work(self._moved, test))
+
+    def measure(self, degree: int) -> ufl.Measure:
+        """Measure of the surface; of all springs of a body of the same data.
+
+        Args:
+            degree: Of the quadrature.
+        """
+        mesh, rule = self._spaces.body.mesh, {"quadrature_degree": degree}
+        on = ufl.Measure("ds", domain=mesh, subdomain_data=self._facets, metadata=rule)
+        return on(self._number)
 
     def work(self, moved: Expr, virtual: Expr, measure: ufl.Measure | None = None) -> ufl.Form:
         """∫ k_i u_i v_i in UFL (energy).

@@ -106,11 +106,9 @@ class LocalErrors:
         self._response_on_contacts = self._contact_response(test)
         self._response_on_springs = [
             form_cache.form(
-                -foot.springs.work(
-                    test, self._error, spaces.boundary(foot.springs.group, self._rule)
-                )
+                -springs.work(test, self._error, springs.measure(spaces.bulk_degree + _MORE))
             )
-            for foot in problem.feet
+            for springs in elastic.springs
         ]
         self._loads = [
             (form_cache.form(load.acting.work(self._test)), load.path) for load in problem.loads
@@ -264,7 +262,7 @@ class LocalErrors:
     def _on_springs(self, springs: Springs) -> tuple[fem.Function, CompiledForm]:
         """A stretch of springs, and the work on bubbles of the forces that it makes."""
         stretch = fem.Function(self._problem.spaces.displacement_space)
-        measure = self._problem.spaces.boundary(springs.group, self._rule)
+        measure = springs.measure(self._problem.spaces.bulk_degree + _MORE)
         return stretch, form_cache.form(springs.work(stretch, self._test, measure))
 
     def _work_on(self, trace: Trace) -> CompiledForm:
@@ -302,7 +300,7 @@ class LocalErrors:
         measure = ufl.dx(spaces.body.mesh, metadata=self._rule_of_stress)
         work = ufl.inner(stress, elastic.strain(self._test)) * measure
         for springs in elastic.springs:
-            on = spaces.boundary(springs.group, self._rule)
+            on = springs.measure(spaces.bulk_degree + _MORE)
             work += springs.work(trial, self._test, on)
         form = form_cache.form(work)
         count, size = self._space.dofmap.list.shape[1], self._space.dofmap.index_map_bs
