@@ -37,9 +37,7 @@ def springs_of(described: Sequence[SpringGroup], spaces: Spaces) -> list[Springs
         InputError: A surface is no boundary, or has no area.
     """
     keys = [f"support[{each.support}].on" for each in described]
-    groups = [
-        spaces.body.boundary(each.on, key) for each, key in zip(described, keys, strict=True)
-    ]
+    groups = [spaces.body.boundary(each.on, key) for each, key in zip(described, keys, strict=True)]
     topology = spaces.body.mesh.topology
     facets = [
         (number, compat.boundary_entities(topology, spaces.body.entities(group)))

@@ -58,7 +58,7 @@ class BulkForces(InternalForces):
 
         0 at free dofs where no springs act.
         """
-        return np.add.reduce([self._rigid_reactions, *self.of_springs])
+        return np.asarray(np.add.reduce([self._rigid_reactions, *self.of_springs]))
 
     @property
     def _rigid_reactions(self) -> Array:
@@ -122,6 +122,9 @@ class BulkForces(InternalForces):
         ways = [turned(number, shared.dofs) for number in range(len(every))]
         found: Array = total(problem.comm, np.array(works))
         found += shared.moved_along(ways, needed, self.solution.displacement)
+        for foot, force in zip(problem.feet, self.of_springs, strict=True):
+            way = turned(foot.springs.support, np.arange(owned))
+            found[foot.springs.support] += total(problem.comm, way @ force.reshape(-1)[:owned])
         return found + 0.0  # no −0
 
     @property

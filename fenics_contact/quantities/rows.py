@@ -185,8 +185,8 @@ ROWS = (
         "energy",
         "work of loads, supports, obstacles, preloads and interferences along the load steps; "
         "of a single step that of the final forces on the final displacements, which is twice "
-        "the strain energy, with that of springs, where all grows in proportion. An interference does work on its "
-        "way beyond a gap that is drawn",
+        "the strain energy, with that of springs, where all grows in proportion. An interference "
+        "does work on its way beyond a gap that is drawn",
         is_asked_for=True,
         singular=Singular.ENERGY,
         is_secondary=True,

@@ -22,6 +22,7 @@ from fenics_contact.quantities.names import (
     NORMAL_FORCE,
     PENALTY_ENERGY,
     PRESSURE_INTEGRAL,
+    SPRING_ENERGY,
     STICK_AREA,
     STRAIN_ENERGY,
     WORN_VOLUME,
@@ -201,6 +202,7 @@ def _energies(history: History, path: Path) -> Picture:
         FRICTION_WORK: "dissipated, $D$",
         DAMPING_WORK: "taken by damping, $D_v$",
         PENALTY_ENERGY: "in springs of contacts, $E_p$",
+        SPRING_ENERGY: "in springs of supports, $E_k$",
         ELASTIC_SLIP_ENERGY: "in elastic slip, $E_s$",
     }
     known = history.steps[0].quantities
@@ -217,6 +219,7 @@ def _energies(history: History, path: Path) -> Picture:
     if balances:
         line(panels[1], history.time, history.quantity(ENERGY_DEFECT), "", 0)
         sprung = " - E_s" if ELASTIC_SLIP_ENERGY in known else ""
+        sprung = (" - E_k" if SPRING_ENERGY in known else "") + sprung
         brought, moving = ("T_0 + W", " - T$\n$") if KINETIC_ENERGY in known else ("W", "")
         damped = " - D_v" if DAMPING_WORK in known else ""
         balance = f"${brought}{moving} - E - E_p{sprung} - D{damped}$"

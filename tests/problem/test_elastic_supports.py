@@ -8,7 +8,9 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
+    DerivativeRequest,
     Discretisation,
+    HalfSpace,
     Load,
     Material,
     Obstacle,
@@ -20,7 +22,8 @@ from fenics_contact import (
     Support,
     run,
 )
-from fenics_contact.common.errors import InputError
+from fenics_contact.analyses.vibration.table import Modes
+from fenics_contact.common.errors import InputError, NoEquilibriumError
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -117,3 +120,209 @@ def test_a_block_on_springs_that_is_pressed_on_a_rigid_plane(solver, degree):
     force = series * (abs(moved) - gap)
     assert found.contacts[0].quantities["normal_force"] == pytest.approx(force, rel=1e-9)
     assert found.reactions["y1"].reaction[1] == pytest.approx(-force, rel=1e-9)
+
+
+FLOATING = Scene(
+    kinematics="3D",
+    material=Material(E, 0.3),
+    support=(Support("y0", stiffness=K),),
+    load=(Load("y1", force=(1.0, -2.0, 0.5)),),
+    point=(Point("corner", (2, 1, 1)),),
+)
+
+
+@pytest.mark.parametrize("solver", ["full", "condensed", "iterative"])
+def test_a_body_on_springs_alone_is_held(solver):
+    """All solvers give the same, and the springs carry what is put on."""
+    scene = replace(FLOATING, solver=SolverSettings(solver=solver))
+    found = run(scene, COMM, box_body((4, 2, 2), (2, 1, 1)))
+    assert found.passed, found.verdict
+    assert found.reactions["y0"].reaction == pytest.approx([-1.0, 2.0, -0.5], rel=1e-9)
+    reference = run(
+        replace(FLOATING, solver=SolverSettings(solver="full")),
+        COMM,
+        box_body((4, 2, 2), (2, 1, 1)),
+    )
+    moved = found.quantities["displacement_corner"]
+    assert moved == pytest.approx(reference.quantities["displacement_corner"], rel=1e-8)
+
+
+def test_a_component_that_no_spring_holds_is_free():
+    scene = replace(FLOATING, support=(Support("y0", stiffness={"y": K}),))
+    with pytest.raises(NoEquilibriumError, match="translation along x"):
+        run(scene, COMM, box_body((2, 2, 2), (2, 1, 1)))
+
+
+def test_the_thickness_and_the_whole_ring_share_the_stiffness():
+    """A total stiffness is of the area: over the thickness, over the whole turn."""
+    sheet, _ = bar(kinematics="plane stress", thickness=0.2)
+    found = run(sheet, COMM, body())
+    tip = FORCE / K + FORCE * LENGTH / (E * HEIGHT * 0.2)
+    assert found.quantities["displacement_tip"][0] == pytest.approx(tip, rel=1e-9)
+    disc = Scene(
+        kinematics="axisymmetric",
+        material=Material(E, 0.0),
+        support=(Support("y0", stiffness={"y": K}),),
+        load=(Load("y1", force=(0, -FORCE)),),
+        point=(Point("top", (1, 1)),),
+    )
+    found = run(disc, COMM, box_body((4, 2), (2, 1)))
+    down = -FORCE / K - FORCE / (E * np.pi * 2**2)
+    assert found.quantities["displacement_top"][1] == pytest.approx(down, rel=1e-9)
+    assert found.reactions["y0"].reaction[1] == pytest.approx(FORCE, rel=1e-9)
+
+
+def test_a_nearly_incompressible_block_on_springs_is_in_balance():
+    scene = replace(FLOATING, material=Material(E, 0.4999), solver=SolverSettings(solver="full"))
+    found = run(scene, COMM, box_body((4, 2, 2), (2, 1, 1)))
+    assert found.passed, found.verdict
+    assert found.reactions["y0"].reaction == pytest.approx([-1.0, 2.0, -0.5], rel=1e-9)
+
+
+# A cantilever whose end is clamped by springs.
+BENT = Scene(
+    kinematics="plane strain",
+    material=Material(E, 0.3),
+    support=(Support("x0", stiffness=1e4),),
+    load=(Load("x1", traction=(0, -0.2)),),
+    point=(Point("tip", (LENGTH, 0)),),
+    solver=SolverSettings(errors="all"),
+)
+
+
+@pytest.mark.errors
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("stiffness", [K, 1e4, 1e8])
+def test_error_bars_of_a_bent_bar_on_springs_hold(degree, stiffness):
+    """Against 128 × 16 cells; the reaction, which balance gives, has none to speak of."""
+    scene = replace(BENT, support=(Support("x0", stiffness=stiffness),))
+    fine = run(replace(scene, solver=SolverSettings(errors="none")), COMM, body_of(128, 16))
+    scene = replace(scene, discretisation=Discretisation(degree))
+    found = run(scene, COMM, body_of(16, 2))
+    assert found.passed, found.verdict
+    for name in ("strain_energy", "spring_energy", "displacement_tip", "external_work"):
+        off = np.linalg.norm(np.subtract(found.quantities[name], fine.quantities[name]))
+        bar = found.errors[name]["total"]
+        assert off <= bar <= max(12 * off, 1e-2 * np.linalg.norm(fine.quantities[name])), name
+    assert found.errors["reaction"]["total"] < 1e-9
+
+
+def body_of(along, across):
+    return box_body((along, across), (LENGTH, HEIGHT))
+
+
+def rubbed(foot=(0.003, -0.02), stiffness=(K, 2 * K)):
+    """A block on two sets of springs, which a foot that moves presses on a rough plane."""
+    spring = dict(zip("xy", stiffness, strict=True))
+    return Scene(
+        kinematics="plane strain",
+        material=Material(E, 0.3),
+        support=(
+            Support("y1", dict(zip("xy", foot, strict=True)), stiffness=spring),
+            Support("x0", stiffness=50.0),
+        ),
+        load=(Load("x1", traction=(0.1, 0.2)),),
+        contact=(
+            Contact(
+                "y0",
+                obstacle=Obstacle(gap=0.0),
+                friction_coefficient=0.3,
+                penalty_parameter=1e-7,
+            ),
+        ),
+        solver=SolverSettings(solver="condensed", errors="none"),
+    )
+
+
+def numbers(found):
+    quantities = found.quantities
+    return {
+        "y1.reaction_x": found.reactions["y1"].reaction[0],
+        "y1.reaction_y": found.reactions["y1"].reaction[1],
+        "y1.reaction_moment": found.reactions["y1"].reaction_moment,
+        "x0.reaction_x": found.reactions["x0"].reaction[0],
+        "reaction_y": quantities["reaction"][1],
+        "strain_energy": quantities["strain_energy"],
+        "normal_force": quantities["normal_force"],
+    }
+
+
+def test_derivatives_by_foot_and_stiffness_are_those_of_finite_differences():
+    solid, of = body_of(8, 2), tuple(numbers(run(rubbed(), COMM, body_of(8, 2))))
+    ways = {
+        "support.0.displacement.y": (1e-6, lambda h: rubbed(foot=(0.003, -0.02 + h))),
+        "support.0.displacement.x": (1e-6, lambda h: rubbed(foot=(0.003 + h, -0.02))),
+        "support.0.stiffness.y": (1e-3, lambda h: rubbed(stiffness=(K, 2 * K + h))),
+        "support.0.stiffness.x": (1e-3, lambda h: rubbed(stiffness=(K + h, 2 * K))),
+    }
+    asked = DerivativeRequest(of=of, by=tuple(ways))
+    found = run(replace(rubbed(), derivatives=asked), COMM, solid).derivatives
+    for key, (step, scene) in ways.items():
+        after, before = (numbers(run(scene(h), COMM, solid)) for h in (step, -step))
+        for name in of:
+            slope = (after[name] - before[name]) / (2 * step)
+            size = max(abs(slope), 1e-4 * abs(after[name]))
+            assert found[name][key].value == pytest.approx(slope, abs=2e-3 * size), (key, name)
+
+
+def test_energies_balance_along_a_path_with_friction():
+    """The foot presses the block on and drags it: work becomes strain, springs and friction."""
+    there = Path((0, 1, 2), (0, 1, 0.5))
+    scene = rubbed(foot=(0.04, -0.05))
+    support = (replace(scene.support[0], path=there), scene.support[1])
+    contact = (replace(scene.contact[0], law="incremental"),)
+    scene = replace(
+        scene, support=support, contact=contact, load=(), steps=Steps(number=16, end=2.0)
+    )
+    found = run(scene, COMM, body_of(8, 2))
+    assert found.passed, found.verdict
+    assert found.checks["energy_balance"].passed
+    quantities = found.quantities
+    parts = ("strain_energy", "spring_energy", "penalty_energy", "friction_work")
+    stored = sum(quantities[name] for name in parts)
+    assert quantities["spring_energy"] > 0.1 * stored
+    assert quantities["external_work"] == pytest.approx(stored, rel=2e-2)
+
+
+def test_a_stiff_block_on_springs_swings_as_a_mass_does():
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(1e9, 0.3, density=2.0),
+        support=(Support("y0", stiffness={"x": 5.0, "y": 7.0}),),
+        modes=Modes(2),
+        solver=SolverSettings(errors="none"),
+    )
+    found = run(scene, COMM, box_body((8, 1), (1, 0.02)))
+    frequencies = [mode.natural_frequency for mode in found.modes]
+    assert frequencies == pytest.approx(
+        np.sqrt(np.array([5.0, 7.0]) / 0.04) / (2 * np.pi), rel=2e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"stiffness": -1.0}, "greater than 0"),
+        ({"stiffness": 1.0, "foundation_stiffness": 1.0}, "not both"),
+        ({"stiffness": {"x": 1.0}, "displacement": {"y": 0}}, "displacement.y: no spring acts"),
+        ({"stiffness": 1.0, "rotation": {"angle": 0.1}}, "rotation: not beside stiffness"),
+    ],
+)
+def test_springs_that_contradict_themselves_are_refused(keys, said):
+    with pytest.raises(InputError, match=said):
+        Support("x0", **keys)
+
+
+def test_models_that_springs_do_not_fit_are_refused():
+    scene, _ = bar()
+    deep = replace(scene.support[0], stiffness={"z": 1.0})
+    with pytest.raises(
+        InputError, match=r"support\[0\].stiffness.z: a plane strain model has only"
+    ):
+        run(replace(scene, support=(deep, *scene.support[1:])), COMM, body())
+    with pytest.raises(InputError, match="shares boundary with the support on 'x0'"):
+        run(replace(scene, contact=(Contact("x0", obstacle=Obstacle(gap=0.0)),)), COMM, body())
+    with pytest.raises(
+        InputError, match=r"half_space: its boundary holds it, so leave out support"
+    ):
+        replace(scene, load=(), half_space=HalfSpace(on=("x1",)))

@@ -158,8 +158,8 @@ class QuantityGradient:
     def _along_springs(self, place: int, forces: Array) -> float:
         """By forces of springs that change at this rank's own nodes, (nodes, components)."""
         felt = self.multipliers.displacement[: len(forces)]
-        if self._springs is not None:
-            felt = felt + self._springs[place]
+        if place in self._springs:
+            felt = felt + self._springs[place][: len(forces)]
         return float(np.sum(felt * forces))
 
     def _along_modulus(self, number: int, name: str) -> float:

@@ -7,7 +7,7 @@ cell they are no smooth function of anything. Of the whole model: energies, reac
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -44,7 +44,7 @@ class StateGradient:
         body: In the body, None where the contacts tell all of it.
         energy: How often the strain energy is in it: of that, stiffness is a part.
         springs: In forces of the springs of elastic supports on the body, with the displacement
-            held: one entry for each of ``Problem.feet``, (components,); None for none.
+            held: number of a foot of ``Problem.feet`` → (nodes, components).
         resultant: Gives the quantity itself, in the same state, where it is one of the whole
             thickness, as forces and energies are; collective.
     """
@@ -53,7 +53,7 @@ class StateGradient:
     scalars: Array
     body: BodyGradient | None = None
     energy: float = 0.0
-    springs: Array | None = None
+    springs: Mapping[int, Array] = field(default_factory=dict)
     resultant: Callable[[], float] | None = None
 
     @classmethod
@@ -325,23 +325,29 @@ def _reaction(problem: Problem, _solution: Solution, name: QuantityName) -> Stat
     if not is_radial:  # over a revolution they cancel
         mine = dofs[dofs % problem.spaces.components == name.axis]
         reactions.reshape(-1)[mine] = 1.0
-    displacement, springs = _of_springs(problem, name, not is_radial)
+    along = np.zeros_like(reactions)
+    along[:, name.axis] = 0.0 if is_radial else 1.0
+    return _with_springs(problem, name, reactions, along)
+
+
+def _with_springs(
+    problem: Problem, name: QuantityName, reactions: Array, along: Array
+) -> StateGradient:
+    """The gradient of work of reactions, where supports hold dofs and where springs pull.
+
+    Args:
+        problem: The model.
+        name: Whose owner has the supports that count, all if it is empty.
+        reactions: Displacement on which the reactions work that hold dofs, (nodes, components).
+        along: The same of those of springs.
+    """
+    feet = enumerate(problem.feet)
+    springs = {n: along for n, foot in feet if name.owner in ("", foot.label)}
+    displacement = np.zeros_like(reactions)
+    for number in springs:
+        displacement -= problem.feet[number].springs.pull(along)
     found = StateGradient.of_body(problem, BodyGradient(displacement, reactions))
     return replace(found, springs=springs)
-
-
-def _of_springs(problem: Problem, name: QuantityName, counts: bool) -> tuple[Array, Array]:
-    """The reaction of springs: its derivatives in the displacement, and in forces of springs."""
-    assert name.axis is not None
-    displacement = np.zeros_like(problem.load)
-    springs = np.zeros((len(problem.feet), problem.spaces.components))
-    along = np.zeros_like(problem.load)
-    along[:, name.axis] = 1.0
-    for number, foot in enumerate(problem.feet):
-        if counts and name.owner in (None, "", foot.label):
-            springs[number, name.axis] = 1.0
-            displacement -= foot.springs.pull(along)
-    return displacement, springs
 
 
 def _reaction_moment(problem: Problem, _solution: Solution, name: QuantityName) -> StateGradient:
@@ -350,7 +356,9 @@ def _reaction_moment(problem: Problem, _solution: Solution, name: QuantityName) 
     arms = problem.support_moments.of_unit_rotations(numbers[0], dofs)[name.axis or 0]
     reactions = np.zeros_like(problem.load)
     reactions.reshape(-1)[dofs] = arms
-    return StateGradient.of_body(problem, BodyGradient(np.zeros_like(reactions), reactions))
+    every = np.arange(reactions.size)
+    turned = problem.support_moments.of_unit_rotations(numbers[0], every)[name.axis or 0]
+    return _with_springs(problem, name, reactions, turned.reshape(reactions.shape))
 
 
 def _dofs_of(problem: Problem, owner: str, axis: int | None) -> Integers:

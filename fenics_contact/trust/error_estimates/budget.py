@@ -18,6 +18,7 @@ from fenics_contact.quantities.names import (
     EXTERNAL_WORK,
     FRICTION_WORK,
     PENALTY_ENERGY,
+    SPRING_ENERGY,
     STRAIN_ENERGY,
 )
 from fenics_contact.results.quantities import (
@@ -230,7 +231,8 @@ def _of_work(rows: Mapping[str, Row], defect: float | None, none: Set[str]) -> R
             where only sources that are not there make no error.
         none: These.
     """
-    names = (STRAIN_ENERGY, PENALTY_ENERGY, FRICTION_WORK, ELASTIC_SLIP_ENERGY)
+    stored = (STRAIN_ENERGY, SPRING_ENERGY, PENALTY_ENERGY, ELASTIC_SLIP_ENERGY)
+    names = (*stored, FRICTION_WORK)
     parts = [rows[name] for name in names if name in rows]
     row = {source: _sum([part[source] for part in parts]) for source in SOURCES}
     if defect is None:

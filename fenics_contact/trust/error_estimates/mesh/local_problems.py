@@ -51,7 +51,7 @@ class ForcesOfErrors:
 
     Attributes:
         nodal: At the nodes, (nodes, components) (force).
-        on_scalars: What the errors add to the forces on the body's scalars, (body_scalars,) (force).
+        on_scalars: What the errors add to forces on the body's scalars, (body_scalars,) (force).
         on_springs: The part of ``nodal`` that each of ``Problem.feet`` exerts, likewise.
     """
 
