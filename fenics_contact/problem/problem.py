@@ -26,10 +26,10 @@ from fenics_contact.problem.inertia import AtRest, Inertia, with_time_step
 from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.loads.acting_load import LoadSite
 from fenics_contact.problem.loads.disturbance import Disturbance, Drive
+from fenics_contact.problem.loads.spring_feet import SpringFoot
 from fenics_contact.problem.moving import MovingInertia
 from fenics_contact.problem.scalar_kinds import scalars_of
 from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
-from fenics_contact.problem.spring_feet import SpringFoot
 from fenics_contact.problem.support_moments import SupportMoments
 from fenics_contact.problem.terms import SharedReactions, Term, terms_of
 from fenics_contact.results.contact_points import of_several_contacts
