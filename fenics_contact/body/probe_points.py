@@ -110,6 +110,38 @@ class DisplacementPoints:
         return self.named(np.reshape(total(self._comm, every), self._shape))
 
 
+class PlacesInBody:
+    """The cells that hold some places, of which others may be outside the body; collective.
+
+    On a face between two bodies those of the body that came first in the mesh.
+
+    Args:
+        at: The places, (places, 3) (length).
+        spaces: The body's.
+
+    Attributes:
+        inside: Whether a cell of any rank holds each place, (places,).
+        numbers: Of the place of each pair of a place and a cell of this rank, (pairs,).
+        cells: The cells of the pairs, (pairs,).
+        weights: Shape functions of the displacements there, (pairs, nodes of a cell).
+    """
+
+    def __init__(self, at: Array, spaces: Spaces) -> None:
+        found = _cells_with(spaces, at)
+        first = _first_of(spaces, found, len(at))
+        self.inside = first < np.inf
+        nodes = spaces.displacement_space.dofmap.list
+        parts = spaces.parts.of_node[nodes[found.cells, 0]]
+        is_first = _numbers(spaces)[found.cells] == first[found.points]
+        part = np.zeros(len(at))
+        part[found.points[is_first]] = parts[is_first]
+        part = total(spaces.comm, part)
+        same = parts == part[found.points]
+        self.numbers, self.cells = found.points[same], found.cells[same]
+        element = spaces.displacement_space.ufl_element().sub_elements[0]
+        self.weights = _table(element, 0, found.references[same])[0]
+
+
 class _Found(NamedTuple):
     """Cells of this rank that hold points: a row for each pair of these.
 

@@ -45,3 +45,5 @@ SLIP_SINCE_PAIRING = "slip_since_pairing"
 CLOSED_GAP = "closed_gap"
 #: Begins the name of the displacement of a ``[[point]]``.
 OF_POINTS = "displacement_"
+#: Begins the names of the components of the stress there.
+STRESS_OF_POINTS = "stress_"

@@ -303,6 +303,14 @@ ROWS = (
         is_asked_for=True,
     ),
     Quantity(
+        f"{names.STRESS_OF_POINTS}NAME",
+        "stress",
+        "at each `[[point]]`, by component: `stress_NAME_xx`, `_yy`, `_zz`, `_xy`, in space also "
+        "`_yz` and `_xz`. It is the mean over the cells of one material around each node, linear "
+        "or quadratic between the nodes as the displacement; on a face between two materials the "
+        "mean of both. It has no error bar",
+    ),
+    Quantity(
         names.CONTACT_MOMENT,
         "force·length",
         "in space: moment of pressure and friction together on the body of `on`, a vector, about "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fenics_contact.quantities.names import OF_POINTS, REACTION, REACTION_MOMENT
+from fenics_contact.quantities.names import OF_POINTS, REACTION, REACTION_MOMENT, STRESS_OF_POINTS
 from fenics_contact.quantities.quantity import Edge, Quantity, Together
 from fenics_contact.quantities.rows import ROWS
 
@@ -15,7 +15,9 @@ QuantityValue = float | Sequence[float]
 OF_SUPPORTS = (REACTION, REACTION_MOMENT)
 #: What quantities of preloads measure.
 MEASURED_BY_PRELOADS = {"force": "force", "elongation": "length"}
-_POINT = f"{OF_POINTS}NAME"  # the row of the displacement of each point
+# The rows of what each point has.
+_OF_POINTS = {begin: f"{begin}NAME" for begin in (OF_POINTS, STRESS_OF_POINTS)}
+_POINT = _OF_POINTS[OF_POINTS]
 
 _TABLE = {row.name: row for row in ROWS}
 
@@ -49,13 +51,20 @@ def find(name: str) -> Quantity | None:
 
     >>> find("displacement_tip").unit, find("displacement_tip").is_vector
     ('length', True)
+    >>> find("stress_tip_xy").unit, find("stress_tip_xy").is_vector
+    ('stress', False)
     """
-    return _TABLE.get(_POINT if name.startswith(OF_POINTS) else name)
+    for begin, row in _OF_POINTS.items():
+        if name.startswith(begin):
+            return _TABLE.get(row)
+    return _TABLE.get(name)
 
 
 def with_true_value() -> tuple[str, ...]:
     """Names of those that have a true value and the same name in every run."""
-    return tuple(one.name for one in every() if one.has_true_value and one.name != _POINT)
+    return tuple(
+        one.name for one in every() if one.has_true_value and one.name not in _OF_POINTS.values()
+    )
 
 
 def made_as(together: Together) -> tuple[Quantity, ...]:

@@ -14,6 +14,7 @@ from fenics_contact.evaluate.energy_balance import EnergyBalance, load_records
 from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.momentum_balance import MomentumBalance, MovingForces
 from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
+from fenics_contact.evaluate.stress_at_places import stress_at_points
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import SLIP_SHARE
@@ -251,7 +252,8 @@ class StepHistory(Generic[_Forces]):
                 self._of_contact(solution, number) | self._slip_share(solution, number)
                 for number in range(len(self._problem.contacts))
             ]
-            return global_quantities(self.forces, self.by_contact)
+            found = global_quantities(self.forces, self.by_contact)
+            return found | stress_at_points(self._problem, solution)
 
     def _of_contact(self, solution: Solution, number: int) -> dict[str, Any]:
         """Quantities of a contact, by its number in scene order; collective."""

@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support
 from fenics_contact.body import materials as material
-from fenics_contact.simulation.output.fields import NodalStress
+from fenics_contact.evaluate.stress_at_places import NodalStress
 from tests.body.test_materials import bimaterial
 from tests.scenes import box_body
 

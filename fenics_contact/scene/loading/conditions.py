@@ -286,15 +286,17 @@ class Preload:
 
 @scene_class
 class Point:
-    """A point of the body at which the displacement is a quantity.
+    """A point of the body at which displacement and stress are quantities.
 
-    ``Point("middle", (0, 0))`` makes ``displacement_middle``, one entry an axis (length).
+    ``Point("middle", (0, 0))`` makes ``displacement_middle``, one entry an axis (length), and
+    ``stress_middle_xx``, … (stress).
     """
 
     name: Annotated[
         Text,
         Field(
-            description="the quantity is `displacement_` and this name; letters, digits, `-`, `_`"
+            description="the quantities are `displacement_NAME`, and `stress_NAME_xx`, `_yy`, …; "
+            "letters, digits, `-`, `_`"
         ),
     ]
     at: Annotated[

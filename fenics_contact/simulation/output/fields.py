@@ -15,8 +15,6 @@ from dolfinx import plot
 from numpy.typing import NDArray
 
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, in_3d
 from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import MachineError
@@ -24,6 +22,7 @@ from fenics_contact.common.parallel import on_root, raise_together
 from fenics_contact.contact.state import OPEN, STICK
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.evaluate.stress_at_places import NodalStress
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import BODY_OF_CELLS, facet_flags
 from fenics_contact.solve.systems.solution import Solution
@@ -216,34 +215,6 @@ class FieldSeries:
         self._grids[name] = time
         on_root(problem.comm, lambda: write_collection(self._path, self._grids))
         self.last = time
-
-
-class NodalStress:
-    """Cauchy stress, averaged over the cells that share a node; collective."""
-
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
-        mesh, spaces = problem.body.mesh, problem.spaces
-        space = spaces.displacement_space
-        points = compat.interpolation_points(space.element)
-        if spaces.kinematics == "axisymmetric":
-            # u_r / r has no value on the axis itself: look from a millionth inside.
-            points = points + 1e-6 * (points.mean(axis=0) - points)
-        self._cells = np.arange(
-            mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32
-        )
-        self._nodes = space.dofmap.list[self._cells].ravel()
-        self._expression = form_cache.expression(problem.elastic.stress(), points)
-
-    def at_nodes(self) -> Array:
-        """Return the stress of the problem's present displacement, (nodes, 3, 3) (stress)."""
-        mesh, spaces = self._problem.body.mesh, self._problem.spaces
-        values = self._expression.eval(mesh, self._cells).reshape(-1, 9)
-        nodes, count = self._nodes, len(spaces.coordinates)
-        columns = (*values.T, np.ones(len(nodes)))
-        summed = [np.bincount(nodes, column, count) for column in columns]
-        *stress, cells_around = spaces.summed(np.stack(summed, axis=1)).T
-        return np.stack(stress / np.maximum(cells_around, 1.0), axis=1).reshape(-1, 3, 3)
 
 
 def _contact_fields(problem: Problem, solution: Solution) -> dict[str, Array]:

@@ -13,8 +13,8 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.evaluate.stress_at_places import NodalStress
 from fenics_contact.problem.problem import Problem
-from fenics_contact.simulation.output.fields import NodalStress
 from fenics_contact.solve.systems.solution import Solution
 
 
