@@ -19,6 +19,7 @@ from fenics_contact import (
     Scene,
     SolverSettings,
     Steps,
+    Study,
     Support,
     run,
 )
@@ -326,3 +327,14 @@ def test_models_that_springs_do_not_fit_are_refused():
         InputError, match=r"half_space: its boundary holds it, so leave out support"
     ):
         replace(scene, load=(), half_space=HalfSpace(on=("x1",)))
+
+
+def test_a_study_follows_foot_and_stiffness():
+    """Its quick answers, and those of other springs, are those of runs."""
+    solid, study = body_of(8, 2), Study(rubbed(), body=body_of(8, 2))
+    for other in (rubbed(), rubbed(foot=(0.002, -0.03)), rubbed(stiffness=(K, 5.0))):
+        expected = numbers(run(other, COMM, solid))
+        quick, whole = study.quantities(other), study.solve(other)
+        assert numbers(whole) == pytest.approx(expected, rel=1e-7)
+        for name in ("spring_energy", "strain_energy", "normal_force", "external_work"):
+            assert quick.quantities[name] == pytest.approx(whole.quantities[name], rel=1e-7), name
