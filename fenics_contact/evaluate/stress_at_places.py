@@ -133,7 +133,11 @@ def stress_at_points(problem: Problem, solution: Solution) -> dict[str, float]:
     if not points:
         return {}
     solution.find_body()  # the stress is that of the functions which it fills
-    stresses = StressAtPlaces(problem, np.array(problem.points.places)).values()
+    places = np.array(problem.points.places)
+    at_points = problem.discrete.once(
+        f"stress at points {points}", lambda: StressAtPlaces(problem, places)
+    )
+    stresses = at_points.values()
     return {
         f"{STRESS_OF_POINTS}{point.name}_{name}": float(stress[COMPONENTS[name]])
         for point, stress in zip(points, stresses, strict=True)
