@@ -37,7 +37,7 @@ class BulkForces(InternalForces):
     def __init__(self, problem: Problem, solution: Solution) -> None:
         super().__init__(problem, solution)
         self._unbalanced = solution.internal_force - problem.load - self.contacts
-        self.load = problem.load - problem.foot_load
+        self.load = problem.load - problem.feet.load
         #: Forces of the springs of each elastic support on the body, (nodes, components).
         self.of_springs = [foot.forces(solution.displacement) for foot in problem.feet]
         self._feet = [foot.displacement for foot in problem.feet]

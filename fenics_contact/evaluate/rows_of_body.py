@@ -158,7 +158,7 @@ class RowsOfBody:
         return wanted
 
     def _shared_turning(self) -> _SharedParts:
-        """The same of dofs that several supports share."""
+        """Parts of the moments of reactions at dofs that several supports share."""
         shared, turned = self._problem.shared_reactions, self._problem.support_moments
         numbers = range(len(self._problem.applied_supports))
         ways = [turned.of_unit_rotations(number, shared.dofs) for number in numbers]

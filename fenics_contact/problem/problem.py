@@ -26,7 +26,7 @@ from fenics_contact.problem.inertia import AtRest, Inertia, with_time_step
 from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.loads.acting_load import LoadSite
 from fenics_contact.problem.loads.disturbance import Disturbance, Drive
-from fenics_contact.problem.loads.spring_feet import SpringFoot
+from fenics_contact.problem.loads.spring_feet import SpringFeet
 from fenics_contact.problem.moving import MovingInertia
 from fenics_contact.problem.scalar_kinds import scalars_of
 from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
@@ -64,16 +64,13 @@ class Problem:
         feet: Of the springs of elastic supports.
         load_site: The body that they act on.
         elastic: ½ a(·, ·): law, compiled forms, stress.
-        given_load: Present nodal loads with the prescribed contact pressures and ``foot_load``,
-            (nodes, components).
-        foot_load: The part of it that feet of springs make which are moved, likewise.
+        given_load: Present nodal loads with the prescribed contact pressures and the forces of
+            springs whose feet are moved, (nodes, components).
         load: What acts at the nodes in the balance to solve: the same, but in a step of motion.
         pressure_load: The part of it that is prescribed contact pressures.
         disturbance: Forces besides the scene's that grow with time, to see what they do, or None.
         scalar_disturbance: Right-hand sides of the equations of the body's scalars over pseudo-time
             besides the scene's, likewise, (body_scalars,) (force).
-        spring_disturbance: Forces of the springs of each of ``feet`` over pseudo-time besides those
-            of their stretch, a part of ``disturbance``, (nodes, components) each; or none.
         drive: Forces besides the scene's while all that this says rests, or None.
     """
 
@@ -94,7 +91,6 @@ class Problem:
         self.comm = self.spaces.comm
         self.disturbance: Disturbance | None = None
         self.drive: Drive | None = None
-        self.spring_disturbance: list[Array] = []
         self._shares: list[float] | None = None  # of the loads, at the present time
         self.stabilisation: list[AppliedSupport] = []
         with timings.phase("compile"):
@@ -121,6 +117,7 @@ class Problem:
             )
             self.load_site = LoadSite(discrete, scene.material)
             self.loads = given_loads(scene.load, self.load_site)
+            self.feet = SpringFeet(self.elastic, scene, self.spaces)
             if not by_points:
                 for term in self.terms:
                     term.compiled()
@@ -132,7 +129,6 @@ class Problem:
                 for one in (load.acting,)
             ]
             self._pressures = self._assemble_pressures()
-            self.feet = [SpringFoot(each, scene, self.spaces) for each in self.elastic.springs]
             self.inertia = self._place_masses()
             self.set_time(scene.load_steps.all_times[-1])
 
@@ -152,7 +148,7 @@ class Problem:
 
     @cached_property
     def support_moments(self) -> SupportMoments:
-        """The points that moments of reactions are about; likewise."""
+        """Points of the moments of reactions; once all supports are there; collective."""
         return SupportMoments(self.scene, self.applied_supports, self.discrete)
 
     @property
@@ -223,20 +219,6 @@ class Problem:
         rows = zip(self.loads, self._loads, self._load_shares, strict=True)
         return [(load.name, nodal, share) for load, (nodal, _), share in rows]
 
-    def varying_load(self, before: float, now: float) -> Array:
-        """Nodal forces of the loads that change between two pseudo-times, (nodes, components).
-
-        Args:
-            before: The earlier one.
-            now: The later one, at which the forces are given (force).
-        """
-        found = np.zeros((len(self.spaces.coordinates), self.spaces.components))
-        for array, path in self._loads:
-            first, last = (path(self.scene.path_time(time)) for time in (before, now))
-            if first != last:
-                found += array * last
-        return found
-
     def take_loads(self, other: Problem) -> None:
         """Have the loads of another problem of the same scene, node by node.
 
@@ -287,12 +269,8 @@ class Problem:
     @property
     def applied(self) -> Array:
         """Sizes of the forces at the nodes that an imbalance is small against (force)."""
-        found = self.inertia.applied(self.load - self.foot_load, self.given_load)
-        modulus, size = self.elastic.reference_modulus, self.spaces.size
-        for foot in self.feet:  # the body gives way as well: it gets less than a body that is held
-            share = 1 / (1 + foot.springs.stiffness.max() * size / modulus)
-            found = found + share * np.abs(foot.load)
-        return found
+        others = self.inertia.applied(self.load - self.feet.load, self.given_load)
+        return others + self.feet.applied
 
     def stick_all(self) -> None:
         """Take every contact point to stick, for a solve to begin with."""
@@ -334,11 +312,8 @@ class Problem:
         self.given_load = self.pressure_load.copy()
         for array, path in self._loads:
             self.given_load += array * path(time)
-        self.foot_load = np.zeros_like(self.given_load)
-        for number, foot in enumerate(self.feet):
-            foot.set_time(time, *self.spring_disturbance[number : number + 1])
-            self.foot_load += foot.load
-        self.given_load += self.foot_load
+        self.feet.set_time(time)
+        self.given_load += self.feet.load
         self._shares = shares
         if self.disturbance is not None or self.drive is not None:
             self._shares = None
@@ -358,14 +333,7 @@ class Problem:
     @property
     def terms(self) -> list[Term]:
         """The energy terms modelled."""
-        found = terms_of(self.elastic, self.loads, self.unknowns, self.contacts)
-        names = [self.scene.support[each.support].label for each in self.elastic.springs]
-        forms = [(each.form,) for each in self.elastic.springs]
-        springs = [
-            Term(f"springs of the support '{name}'", partial(tuple, form))
-            for name, form in zip(names, forms, strict=True)
-        ]
-        return [*found[:1], *springs, *found[1:]]
+        return terms_of(self.elastic, self.feet, self.loads, self.unknowns, self.contacts)
 
     def _assemble_pressures(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces of every contact pressure that is given, with their paths."""

@@ -30,6 +30,7 @@ from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.laws.normal.law import NormalLaw
 from fenics_contact.problem.loads import GivenLoad
+from fenics_contact.problem.loads.spring_feet import SpringFoot
 from fenics_contact.problem.scalar_unknown import ScalarUnknown
 
 
@@ -53,6 +54,7 @@ class Term:
 
 def terms_of(
     elastic: ElasticBody,
+    feet: Sequence[SpringFoot],
     loads: Sequence[GivenLoad],
     unknowns: Sequence[ScalarUnknown],
     contacts: Sequence[ContactSurface],
@@ -61,11 +63,15 @@ def terms_of(
 
     Args:
         elastic: The bulk.
+        feet: Of the springs of elastic supports.
         loads: Those that are not zero.
         unknowns: The scalar unknowns.
         contacts: In scene order.
     """
     terms = [Term(elastic.name, lambda: elastic.forms)]
+    terms += [
+        Term(f"springs of the support '{foot.label}'", partial(_form_of, foot)) for foot in feet
+    ]
     terms += [Term(load.name, partial(_form_of, load)) for load in loads]
     terms += _of_scalars(unknowns, None)
     for contact in contacts:
@@ -83,7 +89,7 @@ def _of_scalars(unknowns: Sequence[ScalarUnknown], contact: ContactSurface | Non
     return [Term(one.term) for one in unknowns if one.term and one.contact is contact]
 
 
-def _form_of(load: GivenLoad) -> tuple[fem.Form, ...]:
+def _form_of(load: GivenLoad | SpringFoot) -> tuple[fem.Form, ...]:
     return (load.form,)
 
 
@@ -207,7 +213,7 @@ class SharedReactions:
         return np.asarray(total(self._spaces.comm, np.array(works)))
 
     def _moved_parts(self, needed: Array, displacement: Array) -> Array:
-        """The same part at each shared dof, (supports, dofs) (force)."""
+        """Part of each support in the force at each shared dof, (supports, dofs) (force)."""
         parts, left = self._parts(needed, displacement)
         holders = self._holds.sum(axis=0)
         parts = np.where(self._holds, parts + left / np.maximum(holders, 1), 0.0)
@@ -292,7 +298,7 @@ class SharedReactions:
     def unknown_along(
         self, way: Array, needed: Array, displacement: Array, supports: Collection[int]
     ) -> float:
-        """The same of the work of that part on displacements, such as of a moment (energy).
+        """Bound of what is not known of the work of reactions on displacements (energy).
 
         Args:
             way: Displacements of ``dofs``, (ways, dofs) (length).
@@ -309,7 +315,7 @@ class SharedReactions:
     def _left_between(
         self, needed: Array, displacement: Array, supports: Collection[int]
     ) -> tuple[Array, Flags]:
-        """What stresses leave at shared dofs (force), and which some supports share with others."""
+        """Forces that stresses leave open at shared dofs (force), and which dofs others share."""
         _, left = self._parts(needed, displacement)
         own = np.isin(np.arange(len(self._holds)), list(supports))
         return left, self._holds[own].any(axis=0) & self._holds[~own].any(axis=0)

@@ -97,7 +97,7 @@ def reactions_by_name(supports: Sequence[SupportRecord]) -> dict[str, dict[str, 
 
 
 def _sum(one: QuantityValue, other: QuantityValue) -> QuantityValue:
-    """Of two numbers, or of two vectors."""
+    """Add two numbers, or two vectors by component."""
     if isinstance(one, Sequence) and isinstance(other, Sequence):
         return [a + b for a, b in zip(one, other, strict=True)]
     assert not isinstance(one, Sequence) and not isinstance(other, Sequence)

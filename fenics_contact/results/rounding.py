@@ -84,7 +84,7 @@ def bar_in_words(error: float | None) -> str:
 def sizes_of(
     quantities: Quantities, contacts: Iterable[ContactRecord | ReactionRecord]
 ) -> Mapping[str, float]:
-    """How large what is measured gets in a run: by this it is told what is round-off.
+    """Largest value of each quantity in a run: round-off is judged against it.
 
     Args:
         quantities: Of the whole model.

@@ -1,4 +1,4 @@
-"""By how much the loads that vary can grow until friction no longer holds a part.
+"""Factor by which varying loads can grow until friction no longer holds a part.
 
 Loads vary if their factor changes in the last load step; all others are constant. With the
 pressures of the answer the factor is the least (j(r) − f₀(r))/f₁(r) over rigid motions r that slip
@@ -39,7 +39,7 @@ _FACTOR = "factor"
 
 @dataclass(frozen=True)
 class SlipFactor:
-    """By how much varying loads can grow.
+    """Factor by which varying loads can grow until a part slips as a whole.
 
     Attributes:
         factor: At which parts slip as a whole, 1 for the present loads; None if it is not known.
@@ -73,14 +73,14 @@ class _Growth:
         return None if shares is None else shares.factor(self.varying, factor)
 
     def limit_at(self, factor: float) -> float | None:
-        """The same by the pressures with larger loads; None without an answer; collective."""
+        """The factor by the pressures with larger loads; None without an answer; collective."""
 
         def measure(solution: Solution) -> Quantities:
             found = self.limit(solution, factor)
             return {} if found is None else {_FACTOR: found}
 
         found = last_step_again(self.load_steps, measure, partial(self._grow, factor))
-        return None if found is None else float(np.ravel(found[_FACTOR])[0])
+        return None if not found else float(np.ravel(found[_FACTOR])[0])
 
     def _grow(self, factor: float, problem: Problem) -> None:
         assert self.load_steps.last is not None
@@ -90,7 +90,7 @@ class _Growth:
 
 
 def slip_factor(load_steps: LoadSteps, by_steps: bool) -> SlipFactor:
-    """By how much the varying loads of an answer can grow until a part slips; collective.
+    """Find the factor by which the varying loads of an answer can grow; collective.
 
     Args:
         load_steps: At their end; all is as it was afterwards.
@@ -101,13 +101,23 @@ def slip_factor(load_steps: LoadSteps, by_steps: bool) -> SlipFactor:
         return SlipFactor()
     before = 0.0 if last.before is None else last.before.time
     drives = [[one.paths.force(time) for one in problem.contacts] for time in (before, last.time)]
-    growth = _Growth(load_steps, problem.varying_load(before, last.time))
+    growth = _Growth(load_steps, _varying_load(problem, before))
     first = growth.limit(last.solution, 1.0)
     if first is None or drives[0] != drives[1]:  # an obstacle's force is no load of the body
         return SlipFactor()
     if first - 1 <= _NEAR or _stays(growth, first):
         return SlipFactor(first, HELD)
     return _by_steps(growth, first) if by_steps else SlipFactor()
+
+
+def _varying_load(problem: Problem, before: float) -> Array:
+    """Present nodal forces of the loads whose factor was another one at an earlier pseudo-time."""
+    time = problem.scene.path_time(before)
+    found = np.zeros((len(problem.spaces.coordinates), problem.spaces.components))
+    for load, (_, nodal, share) in zip(problem.loads, problem.acting_loads, strict=True):
+        if load.path(time) != share:
+            found += nodal * share
+    return found
 
 
 def _stays(growth: _Growth, first: float) -> bool:

@@ -137,7 +137,7 @@ class BlockCase:
 
     @property
     def few_cells(self) -> BlockCase:
-        """The same on a few cells."""
+        """A case of the same kind on a few cells."""
         few = [(width,) * (self.dimension - 1) + (2,) for width in (8, 6)]
         upper = few[1] if self.upper else ()
         return replace(self, cells=few[0], upper=upper, steps=min(self.steps, 2))
@@ -300,7 +300,7 @@ def compared(row: dict[str, Any]) -> Finding | None:
 
 
 def findings_of(runs: Sequence[MemoryRun]) -> Iterator[Finding]:
-    """Of runs on one rank; collective, rank 0 starts them."""
+    """Findings of memory runs on one rank; collective, rank 0 starts them."""
     for case, solver, ranks in runs:
         if ranks > 1:  # a program that runs already is not to start others under mpirun
             continue

@@ -174,7 +174,7 @@ def _sides(mesh: Any, case: BlockCase) -> dict[str, NDArray[np.int32]]:
 
 
 def _inner(mesh: Any, case: BlockCase, facets: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Those of a side that may touch: all of them, or those in the middle."""
+    """Facets of a side that may touch: all of them, or those in the middle."""
     if case.all_of_top or case.full_contact:
         return facets
     last = case.dimension - 1

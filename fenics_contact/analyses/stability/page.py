@@ -171,7 +171,7 @@ def draw_squeal_shapes(folder: Path, result: Outcome) -> list[Picture]:
 
 
 def _at_moment(body: UnstructuredGrid, name: str) -> UnstructuredGrid:
-    """The body with the displacement of a moment, beside the longest one of the period, 1."""
+    """The body with the displacement at one moment of the period, whose largest is 1."""
     found = body.copy()
     found["displacement"] = np.asarray(body[name])
     found["largest"] = np.ones(body.n_points)

@@ -1,4 +1,4 @@
-"""What contacts add to a problem: the term of pressures across, and the term of friction along.
+"""Energy terms of a contact: that of its normal pressure, and that of its friction.
 
 Pressure as a term of the balance: how a solver uses the law across a contact. The law says what
 its forces are; here is what a solver makes of them on its way: whether they follow the jump, or

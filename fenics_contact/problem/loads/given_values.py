@@ -46,7 +46,7 @@ class GivenForce(ActingLoad):
 
     @property
     def force(self) -> Expr:
-        """Its value."""
+        """Force over area or volume: the value that the scene gives."""
         return self.value
 
     @property

@@ -58,7 +58,7 @@ class InertiaLoad(AffineLoad):
 
     @property
     def weight(self) -> Expr:
-        """The density."""
+        """Weight of the integrals of the field: the density (mass/volume)."""
         return self.density
 
     @property

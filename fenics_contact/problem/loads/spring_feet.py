@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from dolfinx import fem
 
+from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.springs import Springs
 from fenics_contact.common.arrays import Array
@@ -41,7 +43,7 @@ class SpringFoot:
             self._whole += self.moved(axis, value)
         self._load = springs.pull(self._whole)
         self.displacement, self.load = self._whole, self._load
-        self._besides: Array | float = 0.0
+        self._besides = np.zeros_like(self._whole)
 
     def moved(self, axis: AxisName, value: Value) -> Array:
         """A displacement of the foot along one axis, (nodes, components); collective (length).
@@ -56,7 +58,7 @@ class SpringFoot:
         found[nodes, AXES.index(axis)] = self._spaces.evaluate(value, nodes, key)
         return found
 
-    def set_time(self, time: float, besides: Array | float = 0.0) -> None:
+    def set_time(self, time: float, besides: Array) -> None:
         """Move the foot to a pseudo-time.
 
         Args:
@@ -85,6 +87,11 @@ class SpringFoot:
         stretch = self.displacement - displacement
         return 0.5 * float(total(self._spaces.comm, np.sum(stretch[own] * pull[own])))
 
+    @property
+    def form(self) -> fem.Form:
+        """Linear form of the forces that stretch the springs, compiled."""
+        return self.springs.form
+
     def mean(self, displacement: Array) -> list[float | None]:
         """Mean of a displacement over the surface, by component; None where no spring acts."""
         own = slice(self._spaces.owned_nodes)
@@ -92,3 +99,44 @@ class SpringFoot:
         whole = self.springs.stiffness * self.springs.area
         sums = total(self._spaces.comm, pulled)
         return [float(s / k) if k > 0 else None for s, k in zip(sums, whole, strict=True)]
+
+
+class SpringFeet(list[SpringFoot]):
+    """The feet of all elastic supports, in the order of these; collective.
+
+    Attributes:
+        load: ∫ k ū φ of all springs at present, (nodes, components) (force).
+        disturbance: Forces of the springs of each over pseudo-time besides those of their stretch,
+            a part of ``Problem.disturbance``, (nodes, components) each; or none.
+
+    Args:
+        elastic: The body with its springs.
+        scene: Of which the supports are.
+        spaces: Those of the body.
+    """
+
+    def __init__(self, elastic: ElasticBody, scene: Scene, spaces: Spaces) -> None:
+        super().__init__(SpringFoot(each, scene, spaces) for each in elastic.springs)
+        self._elastic, self._size = elastic, spaces.size
+        self.load = np.zeros((len(spaces.coordinates), spaces.components))
+        self.disturbance: list[Array] = []
+
+    def set_time(self, time: float) -> None:
+        """Move all feet to a pseudo-time."""
+        self.load = np.zeros_like(self.load)
+        besides = self.disturbance or [np.zeros_like(self.load)] * len(self)
+        for foot, more in zip(self, besides, strict=True):
+            foot.set_time(time, more)
+            self.load += foot.load
+
+    @property
+    def applied(self) -> Array:
+        """Sizes of the forces at the nodes that an imbalance is small against (force).
+
+        The body gives way as well, so that it feels less of them than a body that is held.
+        """
+        found = np.zeros_like(self.load)
+        for foot in self:
+            relative = foot.springs.stiffness.max() * self._size / self._elastic.reference_modulus
+            found += np.abs(foot.load) / (1 + relative)
+        return found

@@ -1,4 +1,4 @@
-"""What a picture of bodies shows: its view, and where rigid obstacles stand at the end of a run."""
+"""The view of a picture of bodies, and where rigid obstacles stand at the end of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Curves of contacts: along lines of flat models (Fig. 2), and beside formulas in 3D."""
+"""Curves of contacts: along lines of plane models (Fig. 2), and against formulas in 3D."""
 
 from __future__ import annotations
 

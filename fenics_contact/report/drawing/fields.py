@@ -279,7 +279,7 @@ def whole_body(folder: Path) -> UnstructuredGrid:
 
 
 def _named(path: Path, tag: str, attribute: str) -> Iterator[Path]:
-    """The files that a file names, which lie beside it."""
+    """The files that a file names, in the same folder."""
     _require_end(path)
     try:
         found = [entry.attrib[attribute] for entry in ElementTree.parse(path).iter(tag)]

@@ -60,7 +60,7 @@ def shape_of(points: Array, kinematics: str | None) -> Shape:
 
 @dataclass(frozen=True)
 class _Pieces:
-    """Connected pieces of points, as each lies beside its nearest."""
+    """Connected pieces of a set of points, each joined to its nearest ones."""
 
     tree: csr_matrix
     number: int

@@ -174,7 +174,7 @@ class SupportRecord(Record):
 
     @property
     def quantities(self) -> Quantities:
-        """Those that it has, by name."""
+        """Quantities of the support, by name."""
         return _quantities_of_supports(self)
 
 
@@ -197,7 +197,7 @@ class ReactionRecord(Record):
 
     @property
     def quantities(self) -> Quantities:
-        """Those that they have, by name."""
+        """Quantities of all supports of the name, by name."""
         return _quantities_of_supports(self)
 
 

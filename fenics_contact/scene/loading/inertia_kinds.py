@@ -35,7 +35,7 @@ class AccelerationKind(LoadKind):
             raise ValueError(f"{key}: an axisymmetric model has one along its axis alone: [0, g]")
 
     def slopes(self, value: Any, names: Sequence[str]) -> tuple[Value, ...] | None:
-        """By a component of the acceleration."""
+        """Slopes of g and G by a component of the acceleration."""
         unit = np.eye(len(value))[int(names[0])]
         return self.components(tuple(unit.tolist()))
 
@@ -111,7 +111,7 @@ class RotationKind(LoadKind):
     """Masses that are pulled outwards on circles, as of a field g + G x of force over mass."""
 
     def components(self, value: Any) -> tuple[Value, ...]:
-        """Those of g, then the rows of G."""
+        """Components of g, then the rows of G."""
         return _flat(value.field())
 
     def vectors(self, value: Any, key: str) -> dict[str, tuple[Value, ...]]:
@@ -136,11 +136,11 @@ class RotationKind(LoadKind):
             raise ValueError(f"{key}: an axisymmetric model rotates about its axis: axis = [0, 1]")
 
     def times(self, value: Any, factor: float) -> Any:
-        """Of the load, which goes with the square of the speed."""
+        """A multiple of the load, which goes with the square of the speed."""
         return dataclasses.replace(value, speed=value.speed * float(np.sqrt(factor)))
 
     def slopes(self, value: Any, names: Sequence[str]) -> tuple[Value, ...] | None:
-        """By the speed, the axis or its place."""
+        """Slopes of g and G by the speed, or by a number of the axis or its place."""
         slope = value.slope(names)
         return None if slope is None else _flat(slope)
 

@@ -200,7 +200,7 @@ def _require_back(path: KeyedPath, begin: float, end: float) -> float:
 
 
 def require_cycles(scene: CoreScene) -> None:
-    """Refuse cycles in which loads jump or nothing changes, or that are said twice.
+    """Refuse cycles in which loads jump, in which nothing changes, or that are given twice.
 
     Raises:
         ValueError: In words.

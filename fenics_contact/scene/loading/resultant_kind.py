@@ -73,7 +73,7 @@ class ResultantKind(LoadKind):
         return {**value, **changed}
 
     def slopes(self, value: Mapping[str, Any], names: Sequence[str]) -> tuple[Value, ...] | None:
-        """By a component of the force or the moment, or by a coordinate of the force's place."""
+        """Slopes of the resultants by a component of either, or by a coordinate of the place."""
         force, moment = (np.zeros(len(each)) for each in _force_and_moment(value))
         place = int(names[1]) if len(names) > 1 else 0
         if names[0] == "at":

@@ -35,7 +35,7 @@ from fenics_contact.scene.values import (
 
 @scene_class
 class FaceRotation:
-    """By how much a support turns what it holds, about an axis: ω × (x − at), of small rotations.
+    """Small rotation of what a support holds, about an axis: u = ω × (x − at).
 
     >>> FaceRotation(angle=0.01, at=(1, 0)).displacement("y", np.array([[3.0], [0.0], [0.0]]))
     array([0.02])
@@ -154,7 +154,7 @@ class Support:
             raise ValueError("give displacement, rotation, stiffness or foundation_stiffness")
 
     def _require_springs(self) -> None:
-        """Refuse what springs cannot have beside them."""
+        """Refuse keys that a support with springs cannot have."""
         if self.stiffness is not None and self.foundation_stiffness is not None:
             raise ValueError("give stiffness or foundation_stiffness, not both")
         if self.rotation is not None:

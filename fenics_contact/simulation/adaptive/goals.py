@@ -1,4 +1,4 @@
-"""Which cells count for a quantity: where errors arise that matter.
+"""Weights of cells for a quantity: where the errors arise that change it.
 
 An error of a cell moves a quantity J by a_K(e, ψ), where ψ is the adjoint of J. By the same local
 problems ψ has an error e* in every cell, and what ψ has beyond it the elements follow, to which e

@@ -163,7 +163,7 @@ class _All:
         self.cells = Cells(cell, points, vertices.reshape(joined["vertices"].shape))
 
     def of_source(self, source: int) -> tuple[Flags, Integers]:
-        """Which cells are of a mesh of the scene, and Gmsh's numbers of their bodies.
+        """Flags of the cells of one mesh of the scene, and Gmsh's numbers of their bodies.
 
         Meshes that are joined have tags that begin behind those of the mesh before.
         """

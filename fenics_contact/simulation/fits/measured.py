@@ -1,4 +1,4 @@
-"""What a fit is given: a measured curve, and the parameters that it varies."""
+"""Input of a fit: a measured curve, and the parameters that the fit varies."""
 
 from __future__ import annotations
 

@@ -156,7 +156,7 @@ class QuantityGradient:
         return float(self._at_constrained[outer] @ moved)
 
     def _along_springs(self, place: int, forces: Array) -> float:
-        """By forces of springs that change at this rank's own nodes, (nodes, components)."""
+        """Change by spring forces that change at this rank's own nodes, (nodes, components)."""
         felt = self.multipliers.displacement[: len(forces)]
         if place in self._springs:
             felt = felt + self._springs[place][: len(forces)]

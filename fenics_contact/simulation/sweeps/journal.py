@@ -41,7 +41,7 @@ def clear(folder: Path) -> None:
 def write_table(
     folder: Path, keys: Sequence[str], points: Sequence[tuple[Sequence[Any], int, Row]]
 ) -> None:
-    """Write ``sweep.csv``.
+    """Write the table of a sweep, ``sweep.csv``.
 
     Args:
         folder: Of the sweep.
@@ -70,7 +70,7 @@ def _field(value: Any) -> str:
 
 
 def write_summary(folder: Path, content: Mapping[str, Any]) -> None:
-    """Write ``sweep.json``.
+    """Write the summary of a sweep, ``sweep.json``.
 
     Args:
         folder: Of the sweep.

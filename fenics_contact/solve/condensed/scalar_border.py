@@ -187,7 +187,7 @@ class BorderedSplit:
             array[:] = np.append(self._split.times(inner) + self._columns @ scalars, own)
 
     def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
-        """Nearly the inverse of the whole, likewise."""
+        """Apply the preconditioner, an approximate inverse of the whole bordered matrix."""
         found = _eliminated(
             np.array(right.array_r),
             self._split.nearly_solved,

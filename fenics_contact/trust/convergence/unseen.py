@@ -274,7 +274,7 @@ def _forces_of(problem: Problem) -> Measure:
 def _narrowed(
     load_steps: LoadSteps, again: Again, sunk: list[Sunk]
 ) -> dict[Hashable, float] | None:
-    """Changes of quantities by gaps narrower by the depth beside it; collective."""
+    """Changes of quantities if gaps are narrower by the depth between points; collective."""
     before = [one.contact.kinematics.gap for one in sunk]
     time = load_steps.time
 

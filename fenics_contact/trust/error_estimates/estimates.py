@@ -227,7 +227,7 @@ class Estimates:
 
     @cached_property
     def _linear(self) -> LinearChange:
-        """What changes do to the answer by its tangent."""
+        """Changes of the answer by its tangent."""
         return LinearChange(self._load_steps, self._measure, len(self._times))
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What small changes do to an answer whose points keep touching, sticking and slipping as they do.
+"""Change of an answer by small changes: its points keep touching, sticking and slipping.
 
 Newton's method takes many steps from an answer to one beside it where thousands of points touch:
 some open and close, and stiff penalties answer each of them with forces that are off by more than

@@ -324,5 +324,5 @@ def restore(load_steps: LoadSteps) -> None:
         load_steps.problem.far_field.beyond[:] = 0.0
     load_steps.problem.disturbance = None
     load_steps.problem.scalar_disturbance[:] = 0.0
-    load_steps.problem.spring_disturbance = []
+    load_steps.problem.feet.disturbance = []
     load_steps.go_back()

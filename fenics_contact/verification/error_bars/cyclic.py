@@ -71,7 +71,7 @@ def _cushioned(scene: Scene, cells: int, cells_outside: int) -> Scene:
 
 
 def finer_cylinders(level: int, load: float) -> Model:
-    """Their reference."""
+    """Cylinders on a finer mesh, the reference of the losses."""
     scene = dataclasses.replace(pressed_scene("plane strain"), steps=Steps(1))
     return Model(_cushioned(scene, (24, 40)[level], (36, 48)[level]))
 

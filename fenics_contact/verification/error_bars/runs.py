@@ -37,7 +37,7 @@ Errors = Mapping[str, Mapping[str, float | None]]
 
 @dataclass(frozen=True)
 class BarAnswer:
-    """What a run found: quantities, and their estimated errors by source."""
+    """Findings of a run: quantities, and their estimated errors by source."""
 
     quantities: Quantities
     errors: Errors
@@ -169,7 +169,7 @@ _RANDOM = "## Scenes at random"
 
 
 def kept(before: str) -> str:
-    """What another program has written at the end of the page.
+    """Text that another program has written at the end of the page.
 
     Args:
         before: The page as it was.
@@ -183,7 +183,7 @@ def kept(before: str) -> str:
 
 @dataclass(frozen=True)
 class Count:
-    """What some rows say together.
+    """Summary of some rows of the table of error bars.
 
     Attributes:
         rows: Those that count.
@@ -235,7 +235,7 @@ class Count:
 
 
 def count(rows: Iterable[Row]) -> Count:
-    """What rows say together."""
+    """Summarise rows of the table of error bars."""
     found = [row for row in rows if not row.is_given]
     return Count(
         tuple(row for row in found if row.counts),
@@ -283,7 +283,7 @@ def page(outcomes: Sequence[BarOutcome]) -> str:
 
 
 def main_source(row: Row) -> str:
-    """Which estimate is the largest."""
+    """Name of the source whose estimate is the largest."""
     found = {source: row.sources.get(source) or 0.0 for source in SOURCES}
     return max(found, key=lambda source: found[source])
 

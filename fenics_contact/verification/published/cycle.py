@@ -183,7 +183,7 @@ def _last(scene: Scene, cells: tuple[int, int], cycles: int, jumps: CycleJump) -
 
 
 def _volume(quick: bool) -> Iterator[Finding]:
-    """Of a soft block that a slanting plane is pressed on, at once and over cycles passed over."""
+    """Worn volume of a soft block under a slanting plane, with and without cycles passed over."""
     wear = Wear(2e-5)
     plane = Obstacle("plane", position=(0, 1), normal=(0.01, -1), indentation=0.03, path=CONSTANT)
     scene = _rubbed(plane, 1000.0, wear, friction_coefficient=_COEFFICIENT)
@@ -194,7 +194,7 @@ def _volume(quick: bool) -> Iterator[Finding]:
 
 
 def _springs(quick: bool) -> Iterator[Finding]:
-    """Of a stiff block on springs, at a fixed depth: the pressure falls to 1/e."""
+    """Wear of a stiff block on springs at a fixed depth: the pressure falls to 1/e."""
     cycles = 10_001
     wear = Wear(1 / (_SPRING * 4 * _SWING * cycles))
     plane = Obstacle("plane", position=(0, 1), normal=(0, -1), indentation=_DEPTH, path=CONSTANT)
@@ -281,7 +281,7 @@ def rubbed_scene(stick: float) -> Scene:
 
 
 def compared(first: WearCycle, last: WearCycle) -> Iterator[Finding]:
-    """A worn contact beside the limit at what sticks in it.
+    """Difference of a worn contact from its limit, at the edge of what sticks.
 
     Args:
         first: Its first cycle.

@@ -242,7 +242,7 @@ def nonlocal_scene(radius: float, farther: float = 1.0) -> Scene:
 
 
 def _hertz_of_reaction(result: Result) -> formulas.HertzContact:
-    """By the force found."""
+    """Hertz's contact by the reaction found."""
     return formulas.line_contact(BOTH_MODULUS, BOTH_RADIUS, reaction(result, "lower.foot")[1])
 
 

@@ -1,4 +1,4 @@
-"""What an edge of contact does to an answer that lies elsewhere in the piece that it passes.
+"""Change of an answer by where the edge of contact lies inside a piece of the surface.
 
 The mesh tells the place of an edge to a piece of the surface. Where answers beside this one are
 found by Newton's method, their forces scatter as the edge moves (``load_scatter``). By tangents

@@ -289,7 +289,7 @@ def _disturb(
     """
     problem.disturbance = followed.along([share * one for one in forces])
     problem.scalar_disturbance = -share * at_end.on_scalars / last
-    problem.spring_disturbance = [share * one / last for one in at_end.on_springs]
+    problem.feet.disturbance = [share * one / last for one in at_end.on_springs]
     problem.set_time(last)
 
 
