@@ -20,6 +20,7 @@ from fenics_contact.report.drawing.style import (
     EDGE,
     WIDE,
     Mark,
+    ends_of_colours,
     labelled,
     marks,
     with_unit,
@@ -174,7 +175,7 @@ def colour_range(stress: Array) -> tuple[float, float, float]:
     low = 0.0 if low < 0.05 * high else low
     if high > 3 * most and most > low:
         return low, most, high
-    return low, high if high > low else low + 1.0, 0.0
+    return *ends_of_colours(low, high), 0.0
 
 
 _THICK = 0.035  # of what is shown: how much of an obstacle is drawn

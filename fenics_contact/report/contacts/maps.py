@@ -19,7 +19,14 @@ from fenics_contact.report.contacts.map_values import (
 )
 from fenics_contact.report.drawing.figures import in_words, new_figure, plain, save, surface_of
 from fenics_contact.report.drawing.picture import Picture
-from fenics_contact.report.drawing.style import COLOUR_MAP, DOUBLE, EDGE, Mark, marks
+from fenics_contact.report.drawing.style import (
+    COLOUR_MAP,
+    DOUBLE,
+    EDGE,
+    Mark,
+    ends_of_colours,
+    marks,
+)
 from fenics_contact.results.contact_points import ContactTable
 from fenics_contact.results.records.contacts import ContactRecord
 
@@ -208,7 +215,8 @@ def draw_values(
     Returns:
         What a colour bar is made for.
     """
-    look = {"cmap": COLOUR_MAP, "vmin": low, "vmax": high if high > low else low + 1.0}
+    first, last = ends_of_colours(low, high)
+    look = {"cmap": COLOUR_MAP, "vmin": first, "vmax": last}
     if len(surface.triangles) == 0:
         return panel.scatter(*surface.points.T, c=values, **look)
     from matplotlib.tri import Triangulation

@@ -64,6 +64,8 @@ COLOURS = {"STICK": "#08306b", "SLIP": "#e07b00", "OPEN": "#c7d0d4"}
 # Round points that are open have this edge, or they would fade on white.
 EDGE = "0.45"
 COLOUR_MAP = "viridis"
+# Of the largest value: values that differ by less are the same but for round-off.
+_ROUND_OFF = 1e-6
 # What a formula gives, whatever it stands beside.
 FORMULA = {"color": "black", "linewidth": 1.0}
 # Curves that share a panel: colour and dashes.
@@ -220,3 +222,18 @@ def with_unit(value: float | str, measured: str) -> str:
     """
     unit, number = unit_of(measured), value if isinstance(value, str) else f"{value:.4g}"
     return f"{number} {unit}" if unit else number
+
+
+def ends_of_colours(low: float, high: float) -> tuple[float, float]:
+    """Values of the first and the last colour; from or to 0 where values are all the same.
+
+    >>> ends_of_colours(9.999999999, 10.0)
+    (0.0, 10.0)
+
+    Args:
+        low: The least value.
+        high: The largest.
+    """
+    if high - low > _ROUND_OFF * max(abs(low), abs(high)):
+        return low, high
+    return (0.0, high or 1.0) if high >= 0 else (low, 0.0)

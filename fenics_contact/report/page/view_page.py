@@ -21,7 +21,7 @@ from fenics_contact.report.contacts.moving import MovingContact, moving_curves, 
 from fenics_contact.report.drawing.cells import nodes_at
 from fenics_contact.report.drawing.figures import style
 from fenics_contact.report.drawing.picture import Picture, numbers
-from fenics_contact.report.drawing.style import COLOUR_MAP, unit_of
+from fenics_contact.report.drawing.style import COLOUR_MAP, ends_of_colours, unit_of
 from fenics_contact.report.page.templates import data_uri, file_text, render
 from fenics_contact.results.contact_points import BODY_OF_CELLS, ContactTable
 from fenics_contact.results.load_history import History
@@ -109,14 +109,15 @@ def _field(name: str, symbol: str, view: View) -> dict[str, object]:
     low, most, high = np.max([np.percentile(values, [0, 99.5, 100]) for values in steps], axis=0)
     low = min(float(values.min()) for values in steps)
     peaked = high > 3 * most > 0 and name == "von Mises stress"
-    top = float(most if peaked else high)
+    least = 0.0 if low < 0.05 * high else low
+    first, top = ends_of_colours(least, max(float(most if peaked else high), 0.0))
     return {
         "name": name,
         "symbol": symbol,
         "unit": unit_of(_MEASURED.get(name, "")),
         "values": [_floats(values) for values in _lighter(steps)],
-        "low": 0.0 if low < 0.05 * high else float(low),
-        "high": top if top > 0 else 1.0,
+        "low": first,
+        "high": top,
         "beyond": f"up to {high:.3g} at single points" if peaked else "",
     }
 

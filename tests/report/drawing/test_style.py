@@ -16,7 +16,7 @@ from fenics_contact.report.drawing import picture
 from fenics_contact.report.drawing.cells import cells_of
 from fenics_contact.report.drawing.fields import flat_outline, joined
 from fenics_contact.report.drawing.figures import new_figure, save
-from fenics_contact.report.drawing.style import COLOURS, LINES
+from fenics_contact.report.drawing.style import COLOURS, LINES, ends_of_colours
 from fenics_contact.report.hysteresis import last_loop
 from fenics_contact.results.contact_points import BODY_OF_CELLS, ContactTable, facet_flags
 from tests.messages import refused
@@ -254,3 +254,16 @@ def test_a_body_is_drawn_without_a_display_and_beside_one_that_is_dead(name):
         timeout=120,
     )
     assert done.returncode == 0 and done.stdout.strip() == "True", done.stderr
+
+
+@pytest.mark.parametrize(
+    ("given", "ends"),
+    [
+        ((2.0, 5.0), (2.0, 5.0)),
+        ((10.0 - 1e-11, 10.0 + 1e-11), (0.0, 10.0 + 1e-11)),
+        ((-3.0, -3.0), (-3.0, 0.0)),
+        ((0.0, 0.0), (0.0, 1.0)),
+    ],
+)
+def test_colours_do_not_show_round_off(given, ends):
+    assert ends_of_colours(*given) == ends
