@@ -200,6 +200,11 @@ def _alike(one: Any, other: Any, most: float) -> bool:
     return bool(np.linalg.norm(np.subtract(one, other)) <= most)
 
 
+def _left(bars: dict[str, Any]) -> float:
+    """What the regularisation and the iterations leave of a quantity."""
+    return sum(bars.get(source) or 0.0 for source in ("regularisation", "iteration"))
+
+
 def _numbers(result: Result, factors: Factors, per_length: bool) -> Iterator[tuple[str, _Number]]:
     for row in result.contacts:
         for name, value in row["parameters"].items():
@@ -218,9 +223,13 @@ def _numbers(result: Result, factors: Factors, per_length: bool) -> Iterator[tup
     for _, kind, value, _ in rows:
         size = 0.0 if value is None else float(np.linalg.norm(value))
         sizes[kind] = max(sizes.get(kind, 0.0), size)
+    # A stress at a point has no bar: of it remains what remains of other stresses.
+    largest: dict[str, float] = {}
+    for _, kind, _, bars in rows:
+        largest[kind] = max(largest.get(kind, 0.0), _left(bars))
     for name, kind, value, bars in rows:
         least = _VALUE * sizes[kind]
-        left = sum(bars.get(source) or 0.0 for source in ("regularisation", "iteration"))
+        left = _left(bars) if bars else largest[kind]
         yield name, _Number(value, least + left)
         for source in _COMPARED:
             bar = bars.get(source)

@@ -180,7 +180,7 @@ def test_the_rule_of_simplices_leaves_nothing_out(cell, degree, monkeypatch):
     monkeypatch.setattr(compat, "is_tensor_cell", lambda mesh: True)
     finer = errors_of(prepared)
     assert found.total == pytest.approx(finer.total, rel=1e-10)
-    np.testing.assert_allclose(found.forces()[0], finer.forces()[0], atol=1e-9 * finer.total)
+    np.testing.assert_allclose(found.forces().nodal, finer.forces().nodal, atol=1e-9 * finer.total)
 
 
 @pytest.mark.parametrize("ratio", [0.3, NEARLY])
@@ -188,7 +188,7 @@ def test_the_same_on_any_number_of_ranks(ratio):
     comms = (COMM, MPI.COMM_SELF)
     found = [errors_of(bent("axisymmetric", 2, comm, ratio=ratio)[0]) for comm in comms]
     assert found[0].total == pytest.approx(found[1].total, rel=1e-8)
-    own = [np.sum(local.forces()[0] ** 2) for local in found]
+    own = [np.sum(local.forces().nodal ** 2) for local in found]
     assert np.isfinite(own).all()
 
 
