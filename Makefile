@@ -60,6 +60,7 @@ lint: ## check style and types
 # With the environment of ./bootstrap, by the Python that has the tools.
 with_tools = if [ $$tools != .venv ]; then export FENICS_CONTACT_PYTHON=$$tools/bin/python; fi; ./bootstrap python
 
+# Pictures of all demos take minutes; with DRAWN="slab sphere" pages of others have none.
 docs: ## build the documentation, into docs/_build/html
 	@$(call install,docs); \
 	$(with_tools) -m sphinx -E -W --keep-going -q -b html -d docs/_build/doctrees docs docs/_build/html; \

@@ -4,6 +4,9 @@ Every demo's scene is solved as users solve it, by a process of its own. A run i
 again while neither the scene, nor the meshes, nor the package changed. A demo that fails, or gives
 other numbers than ``gallery_entries`` expects, ends this with an error: so it fails the build of
 the documentation, which calls ``make_all``.
+
+Drawing takes longer than solving. Where the environment variable ``DRAWN`` names demos, as
+``DRAWN="slab sphere"`` does, the pages of the others have their numbers, and no pictures.
 """
 
 from __future__ import annotations
@@ -34,6 +37,7 @@ RUNS = DOCS / "_build" / "runs"
 PAGES = DOCS / "gallery"
 REPORTS = DOCS / "_build" / "extra" / "reports"
 TIME_LIMIT = 600  # seconds a demo
+NOT_DRAWN = "Pictures, and the report of the run, were left out of this build."
 
 
 class GalleryError(Exception):
@@ -54,6 +58,18 @@ def demos() -> list[str]:
     return list(ENTRIES)
 
 
+def drawn() -> set[str]:
+    """Names of the demos whose pages have pictures: by default all.
+
+    Raises:
+        GalleryError: ``DRAWN`` names what is no demo.
+    """
+    asked = set(os.environ.get("DRAWN", "").split())
+    if unknown := asked - set(ENTRIES):
+        raise GalleryError(f"DRAWN: no demos: {', '.join(sorted(unknown))}")
+    return asked or set(ENTRIES)
+
+
 def fingerprint(files: Iterable[Path]) -> str:
     """Of what a run depends on: the package, the meshes, and some files."""
     digest = sha256()
@@ -70,28 +86,28 @@ def _package() -> list[Path]:
     return [path for path in every if "__pycache__" not in path.parts]
 
 
-def run(name: str, folder: Path, overrides: Sequence[str] = (), drawn: bool = True) -> None:
+def run(name: str, folder: Path, overrides: Sequence[str], with_report: bool) -> None:
     """Solve a demo's scene into a folder, unless that holds the same run already.
 
     Args:
         name: Of the demo.
         folder: For the run, and its report.
         overrides: As for ``--set``.
-        drawn: Whether to make its report.
+        with_report: Whether to make its report.
 
     Raises:
         GalleryError: It did not end with exit code 0.
     """
     scene = ROOT / "demos" / f"{name}.toml"
     mark = folder / "fingerprint"
-    wanted = "\n".join([fingerprint([scene]), *overrides])
+    wanted = "\n".join([fingerprint([scene]), *overrides, *(["report"] if with_report else [])])
     if mark.is_file() and mark.read_text(encoding="utf-8") == wanted:
         return
     shutil.rmtree(folder, ignore_errors=True)
     settings = [part for override in overrides for part in ("--set", override)]
     command = [sys.executable, "-m", "fenics_contact"]
     _call([*command, "run", str(scene), *settings, "--out", str(folder)])
-    if drawn:
+    if with_report:
         _call([sys.executable, str(Path(__file__)), "--draw", str(folder)])
     mark.write_text(wanted, encoding="utf-8")
 
@@ -134,38 +150,49 @@ def make_all(names: Sequence[str] = ()) -> None:
     shutil.rmtree(PAGES, ignore_errors=True)
     PAGES.mkdir()
     runs: list[tuple[str, Path, Sequence[str], bool]] = []
+    pictured = drawn()
     for name in names:
-        runs.append((name, RUNS / name, (), True))
+        runs.append((name, RUNS / name, (), name in pictured))
         for number, variant in enumerate(ENTRIES[name].variants):
             runs.append((name, RUNS / f"{name}_{number}", variant.overrides, False))
-        if ENTRIES[name].film:
+        if ENTRIES[name].film and name in pictured:
             runs.append((name, RUNS / f"{name}_film", ENTRIES[name].film, True))
     with ThreadPoolExecutor(2) as pool:
         list(pool.map(lambda one: run(*one), runs))
     for name in names:
-        (PAGES / f"{name}.md").write_text(page(name, ENTRIES[name]), encoding="utf-8")
+        text = page(name, ENTRIES[name], name in pictured)
+        (PAGES / f"{name}.md").write_text(text, encoding="utf-8")
     (PAGES / "index.md").write_text(overview(names), encoding="utf-8")
 
 
-def page(name: str, entry: Entry) -> str:
-    """The page of a demo, in Markdown; copies its pictures and its report beside it."""
-    folder = RUNS / name
-    solved = _read(folder)
-    pictures = json.loads((folder / "pictures.json").read_text(encoding="utf-8"))
-    shown = PAGES / name
-    shown.mkdir()
-    for picture in pictures:
-        shutil.copy(folder / picture["file"], shown)
-    REPORTS.mkdir(parents=True, exist_ok=True)
-    (REPORTS / name).mkdir(exist_ok=True)
-    shutil.copy(folder / "report.html", REPORTS / name)
-    lines = [problem(name), "", *_figure(name, pictures[0])]
+def page(name: str, entry: Entry, with_pictures: bool) -> str:
+    """The page of a demo, in Markdown.
+
+    Args:
+        name: Of the demo.
+        entry: Its numbers.
+        with_pictures: Whether it has pictures, and its report; copies these beside it.
+    """
+    solved = _read(RUNS / name)
+    first, others = _pictures(name, entry) if with_pictures else ([NOT_DRAWN, ""], [])
+    lines = [problem(name), "", *first]
     lines += ["## Expected and obtained", "", _table(entry.findings(solved), f"demos/{name}.toml")]
     lines += ["", f"Expected values: {entry.source}.", ""]
     for number, variant in enumerate(entry.variants):
         lines += _variant(name, variant, _read(RUNS / f"{name}_{number}"))
-    lines += _how_it_went(solved.result)
-    lines += [
+    return "\n".join([*lines, *_how_it_went(solved.result), *others, *_scene(name)])
+
+
+def _pictures(name: str, entry: Entry) -> tuple[list[str], list[str]]:
+    """A demo's first picture, and its report with all others, in Markdown."""
+    folder, shown = RUNS / name, PAGES / name
+    pictures = json.loads((folder / "pictures.json").read_text(encoding="utf-8"))
+    shown.mkdir()
+    for picture in pictures:
+        shutil.copy(folder / picture["file"], shown)
+    (REPORTS / name).mkdir(parents=True, exist_ok=True)
+    shutil.copy(folder / "report.html", REPORTS / name)
+    others = [
         f'<p><a href="../reports/{name}/report.html">The report of this run</a>: checks, errors by '
         "source, an interactive view, reactions, timings.</p>",
         "",
@@ -173,9 +200,8 @@ def page(name: str, entry: Entry) -> str:
         "",
         *(line for picture in pictures[1:] for line in _figure(name, picture)),
         *_film(name, entry.film),
-        *_scene(name),
     ]
-    return "\n".join(lines)
+    return _figure(name, pictures[0]), others
 
 
 def _film(name: str, overrides: Sequence[str]) -> list[str]:
@@ -307,10 +333,10 @@ def overview(names: Sequence[str]) -> str:
     ]
     for name in names:
         result, title = _read(RUNS / name).result, problem(name).splitlines()[0].strip("# ")
-        first = sorted((PAGES / name).glob("*.png"))
-        best = next((path for path in first if path.stem == "deformed"), first[0])
+        pictures = sorted((PAGES / name).glob("*.png"), key=lambda path: path.stem != "deformed")
+        shown = f"![{title}]({name}/{pictures[0].name})" if pictures else ""
         lines.append(
-            f"| ![{title}]({name}/{best.name}) | [{title}]({name}.md) | "
+            f"| {shown} | [{title}]({name}.md) | "
             f"{result.model['dofs']} | {result.timings['total']:.1f} |"
         )
     lines += ["", "```{toctree}", ":hidden:", "", *names, "```", ""]

