@@ -46,6 +46,21 @@ class SpringGroup:
 
 
 @dataclass(frozen=True)
+class CoupledGroup:
+    """A boundary that moves as a rigid body.
+
+    Attributes:
+        on: Its name.
+        at: The point that moves with it; None for the centroid of the boundary.
+        label: Name in messages and results; no part of what the body is.
+    """
+
+    on: str
+    at: tuple[float, ...] | None
+    label: str = field(compare=False)
+
+
+@dataclass(frozen=True)
 class PreloadedGroup:
     """A part of the body whose unstressed length is changed.
 
@@ -93,6 +108,7 @@ class BodyDescription:
         contacts: In scene order.
         preloads: Likewise.
         springs: Of supports that give way, likewise.
+        couplings: Boundaries that move as rigid bodies, likewise.
     """
 
     kinematics: Kinematics
@@ -106,6 +122,7 @@ class BodyDescription:
     contacts: tuple[CandidateContact, ...]
     preloads: tuple[PreloadedGroup, ...] = ()
     springs: tuple[SpringGroup, ...] = ()
+    couplings: tuple[CoupledGroup, ...] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
@@ -136,6 +153,7 @@ class BodyDescription:
                 for number, each in enumerate(scene.support)
                 if each.is_elastic
             ),
+            couplings=tuple(CoupledGroup(each.on, each.at, each.label) for each in scene.coupling),
         )
 
     def differences(self, other: BodyDescription) -> Sequence[str]:

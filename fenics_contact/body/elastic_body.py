@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from ufl.core.expr import Expr
 
 from fenics_contact.body import materials as material
+from fenics_contact.body.coupled_face import CoupledFace, MotionsOfFaces
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
@@ -60,7 +61,10 @@ class ElasticBody:
         name: What is modelled, in words.
         displacement: The unknown, a dolfinx function.
         preloaded: Parts whose unstressed length is changed.
-        scalar_forces: What each scalar of the energy, such as that change, does to the body.
+        faces: Boundaries that move as rigid bodies.
+        scalar_forces: What each scalar of the energy does to the body: such a change, then the ways
+            in which these faces move.
+        scalar_stiffness: Second derivatives of the energy in these, (scalars, scalars).
         springs: Those of elastic supports.
         stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed, and springs.
         mixed: The forms of a mean stress, or None.
@@ -95,6 +99,35 @@ class ElasticBody:
         self.stiffness = form_cache.form(stiffness)
         self.preloaded = self._place_preloads(description)
         self.scalar_forces = [self._forces_of(part) for part in self.preloaded]
+        self.faces = [
+            CoupledFace(each, f"coupling[{number}]", spaces)
+            for number, each in enumerate(description.couplings)
+        ]
+        self.scalar_stiffness = np.diag([one.stiffness for one in self.scalar_forces])
+        if self.faces:
+            self._couple_faces(stiffness)
+
+    def _couple_faces(self, stiffness: ufl.Form) -> None:
+        """Add the ways in which faces move to the scalars of the energy; collective."""
+        spaces, volumes = self._spaces, None
+        if self.mixed is not None:
+            t = ufl.TestFunction(self.mixed.mean_stress.function_space)
+            u = ufl.TrialFunction(spaces.displacement_space)
+            volumes = spaces.weight * t * ufl.tr(self.strain(u)) * spaces.bulk
+        find = MotionsOfFaces(spaces, stiffness, volumes)
+        motions = [find.of(moved) for face in self.faces for moved in face.fields]
+        first, own = len(self.preloaded), slice(spaces.owned_nodes)
+        self.scalar_forces = [*self.scalar_forces, *motions]
+        nodal = np.array([one.nodal[own] for one in self.scalar_forces])
+        moved = np.array([one.moved[own] for one in motions])
+        works = np.asarray(total(spaces.comm, np.einsum("inc,jnc->ij", nodal, moved)))
+        before, self.scalar_stiffness = self.scalar_stiffness, np.zeros((len(nodal), len(nodal)))
+        self.scalar_stiffness[:first, :first] = before
+        self.scalar_stiffness[:, first:] = works
+        self.scalar_stiffness[first:, :] = works.T
+        for number, motion in enumerate(motions):
+            shares = zip(self.scalar_forces[:first], works[:first, number], strict=True)
+            motion.others.extend((one.present, float(share)) for one, share in shares)
 
     def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:
         """The preloaded parts, which share no cells; collective."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fenics_contact.body.description import BodyDescription, HeldGroup
+from fenics_contact.body.description import BodyDescription, CoupledGroup, HeldGroup
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Integers
@@ -57,6 +57,7 @@ class HeldDofs:
 
     Attributes:
         by_supports: In scene order.
+        by_couplings: Likewise; of these the displacement follows from scalar unknowns.
         by_symmetry: By planes of symmetry, and the axis of revolution where it is reached.
         planes: The planes of symmetry; the axis of revolution is none.
         walls: Axis and coordinate of the flat sides that supports hold across, each once.
@@ -69,6 +70,7 @@ class HeldDofs:
     def __init__(self, description: BodyDescription, spaces: Spaces) -> None:
         self._spaces = spaces
         self.by_supports = [self._group(i, held) for i, held in enumerate(description.held)]
+        self.by_couplings = [self._of_face(i, one) for i, one in enumerate(description.couplings)]
         planes = [self._plane(on, f"symmetry[{i}]") for i, on in enumerate(description.symmetry)]
         self.walls = self._walls(description)
         self.by_symmetry = [self._of_plane(plane) for plane in planes]
@@ -81,8 +83,8 @@ class HeldDofs:
 
     @property
     def every(self) -> list[Held]:
-        """Held dofs of supports, then those of symmetry."""
-        return [*self.by_supports, *self.by_symmetry]
+        """Held dofs of supports, of couplings, which move them, then those of symmetry."""
+        return [*self.by_supports, *self.by_couplings, *self.by_symmetry]
 
     @property
     def symmetry(self) -> str:
@@ -111,6 +113,13 @@ class HeldDofs:
         nodes = spaces.nodes(spaces.body.group(held.on, f"support[{number}].on"))
         axes = np.array([AXES.index(axis) for axis in held.axes], dtype=np.int64)
         return Held(held.on, (nodes.astype(np.int64) * spaces.components + axes[:, None]).ravel())
+
+    def _of_face(self, number: int, described: CoupledGroup) -> Held:
+        spaces = self._spaces
+        nodes = spaces.nodes(spaces.body.boundary(described.on, f"coupling[{number}].on"))
+        size = spaces.components
+        dofs = (nodes.astype(np.int64) * size + np.arange(size)[:, None]).ravel()
+        return Held(described.on, dofs)
 
     def _walls(self, description: BodyDescription) -> list[tuple[int, float]]:
         """Planes across an axis in which facets lie that supports hold along this axis.
@@ -208,6 +217,10 @@ class Supports:
         self.applied = [
             self._support(f"support[{number}]", support, held.by_supports[number])
             for number, support in enumerate(scene.support)
+        ]
+        self.applied += [
+            AppliedSupport(one.on, held_so.dofs, np.zeros(len(held_so.dofs)), name=one.label)
+            for one, held_so in zip(scene.coupling, held.by_couplings, strict=True)
         ]
         self.applied += [
             AppliedSupport(each.on, each.dofs, np.zeros(len(each.dofs)))

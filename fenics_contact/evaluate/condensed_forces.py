@@ -73,9 +73,10 @@ class CondensedForces(InternalForces):
     def of(cls, system: CondensedSystem, solution: Solution) -> InternalForces:
         """Forces of a solution, in the state of the system that has found it; collective.
 
-        Springs of supports are stretched by displacements that are found inside.
+        Springs of supports are stretched by displacements that are found inside; faces that are
+        coupled move by scalars, of which its rows do not know.
         """
-        if system.problem.feet:
+        if system.problem.feet or system.problem.couplings.size:
             return BulkForces(system.problem, solution)
         scalars = system.scalar_values(system.state)
         moved = system.contact_displacements()

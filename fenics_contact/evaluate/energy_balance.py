@@ -174,7 +174,7 @@ class EnergyBalance:
     def _works_on_scalars(self, solution: Solution) -> list[float]:
         """∫ N dq of each of the body's scalars in a step; it becomes the last step's."""
         last = self._last["scalars"]
-        rows = [(state.force, state.value) for state in solution.scalars]
+        rows = [(state.force if state.works else 0.0, state.value) for state in solution.scalars]
         now = np.array(rows).reshape(-1, 2)
         self._last["scalars"] = now
         works = 0.5 * (last[:, 0] + now[:, 0]) * (now[:, 1] - last[:, 1])

@@ -129,9 +129,10 @@ class BulkForces(InternalForces):
 
     @property
     def of_all_supports(self) -> Array:
-        """Resultant of all supports, (components,) (force)."""
-        spaces = self.problem.spaces
-        return resultant(spaces, self.reactions[: spaces.owned_nodes])
+        """Resultant of all supports, without couplings, (components,) (force)."""
+        spaces, couplings = self.problem.spaces, self.problem.couplings
+        found = resultant(spaces, self.reactions[: spaces.owned_nodes])
+        return found - self.of_supports[couplings].sum(axis=0) if couplings.size else found
 
     @property
     def given_work(self) -> float:

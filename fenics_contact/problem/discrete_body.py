@@ -18,6 +18,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import HeldDofs
 from fenics_contact.common.arrays import Integers
 from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import total
 from fenics_contact.contact.choice_of_slaves import NamedSurfaces, choose_slaves
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.mesh.tagged_mesh import Body
@@ -54,6 +55,7 @@ class DiscreteBody:
         self.displacement = fem.Function(self.spaces.displacement_space, name="displacement")
         self.held = HeldDofs(description, self.spaces)
         self._refuse_overlaps()
+        self._refuse_at_couplings()
         self.outer = self._outer_dofs()
         self.constrained = np.union1d(self.held.dofs, self.outer)
         self.elastic = ElasticBody(description, self.spaces, self.displacement)
@@ -110,6 +112,26 @@ class DiscreteBody:
             found.append(spaces.nodes(group).astype(np.int64))
         nodes = np.unique(np.concatenate(found))
         return (nodes[:, None] * spaces.components + np.arange(spaces.components)).ravel()
+
+    def _refuse_at_couplings(self) -> None:
+        """No point of a coupled face is held, sprung, moved or touched by anything else."""
+        body, spaces, description = self.spaces.body, self.spaces, self.description
+        groups = [(f"coupling[{i}].on", each.on) for i, each in enumerate(description.couplings)]
+        others = [(f"support[{i}].on", each.on) for i, each in enumerate(description.held)]
+        for number, contact in enumerate(description.contacts):
+            names = {"on": contact.on, "against": contact.against}
+            others += [(f"contact[{number}].{k}", name) for k, name in names.items() if name]
+        others += [(f"half_space.on[{i}]", on) for i, on in enumerate(description.outer)]
+        for number, (key, on) in enumerate(groups):
+            nodes = spaces.nodes(body.boundary(on, key))
+            for other_key, other in [*others, *groups[:number]]:
+                shared = np.intersect1d(nodes, spaces.nodes(body.group(other, other_key)))
+                if total(spaces.comm, len(shared)):
+                    raise InputError(
+                        f"{key} = '{on}': shares points with {other_key} = '{other}'; a face that "
+                        "moves as a rigid body must be free of supports, contacts and other "
+                        "couplings"
+                    )
 
     def _refuse_overlaps(self) -> None:
         """Contacts may not share facets with supports (Γ_C ∩ Γ_D = ∅), nor two with obstacles."""

@@ -15,7 +15,7 @@ import numpy as np
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.probe_points import DisplacementPoints
 from fenics_contact.body.supports import AppliedSupport, Supports
-from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
@@ -260,6 +260,35 @@ class Problem:
         """The part of values of all scalar unknowns that is the body's, (body_scalars,)."""
         return scalars[len(scalars) - len(self.body_scalars) :]
 
+    @property
+    def couplings(self) -> Integers:
+        """Numbers of the applied supports that are couplings."""
+        first, count = len(self.scene.support), len(self.scene.coupling)
+        return np.arange(first, first + count)
+
+    @property
+    def coupled(self) -> Integers:
+        """Dofs of faces that move as rigid bodies (local indices, owned and ghost)."""
+        held = self.supports.held.by_couplings
+        return np.concatenate([np.zeros(0, dtype=np.int64), *(one.dofs for one in held)])
+
+    def moved_by_scalars(self, values: Array) -> Array | None:
+        """Displacement of nodes that scalars of the body move, (nodes, components) (length).
+
+        Args:
+            values: Of the body's scalars, (body_scalars,) (length).
+
+        Returns:
+            0 at other nodes; None where scalars move none.
+        """
+        if not self.elastic.faces:
+            return None
+        found = np.zeros_like(self.load)
+        for scalar, value in zip(self.body_scalars, values, strict=True):
+            if scalar.moved is not None:
+                found += value * scalar.moved
+        return found
+
     def scalar_states(self, displacement: Array) -> tuple[ScalarState, ...]:
         """States of the body's scalars in an answer, with its displacement; collective."""
         mixed = self.elastic.mixed
@@ -291,6 +320,7 @@ class Problem:
         self.inertia.follow_velocities()
         for scalar, besides in zip(self.body_scalars, self.scalar_disturbance, strict=True):
             scalar.set_time(time, float(besides))
+            scalar.follow_loads(self.given_load)
         self.prescribed = self.supports.at(time)
         if self.far_field is not None:
             values = self.far_field.beyond.copy()

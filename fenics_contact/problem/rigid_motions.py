@@ -11,6 +11,7 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.problem.couplings import FaceMotion
 from fenics_contact.problem.existence.rigid_slip import motions_along, smooth_closing
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
@@ -45,13 +46,16 @@ class RigidMotions:
         self._names, self._fields = problem.discrete.once(
             "rigid motions", partial(_of_parts, spaces)
         )
+        self._faces = CoupledMotions(problem, self._fields)
         free = self._kept_combinations()
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]
         self.count = free.shape[1]
         force, size = self._work(problem.load)
         driven = np.array([contact.force or 0.0 for contact in self.floating])
+        force = force + self._faces.work
         self.force = force @ self._body + driven @ self._obstacles
+        size = size + np.abs(self._faces.work)
         self.force_size = float(max(size.max(initial=0.0), driven.max(initial=0.0)))
 
     def _work(self, nodal: Array) -> tuple[Array, Array]:
@@ -121,9 +125,8 @@ class RigidMotions:
         if held_otherwise or any(contact.normal.sticks for contact in problem.contacts):
             return reduced(self._free_combinations())
         floats = [contact.has_unknown_position for contact in problem.contacts]
-        return problem.discrete.once(
-            f"free motions, obstacles {floats}", lambda: reduced(self._free_combinations())
-        )
+        known = f"free motions, obstacles {floats}, faces {self._faces.given}"
+        return problem.discrete.once(known, lambda: reduced(self._free_combinations()))
 
     def _free_combinations(self) -> Array:
         """Combinations (modes and obstacles, free) with no jump on supports and glue."""
@@ -132,8 +135,9 @@ class RigidMotions:
         modes, floats = self._fields.shape[-1], len(self.floating)
         held = np.zeros(owned * components, dtype=bool)
         held[problem.constrained[problem.constrained < owned * components]] = True
+        held[problem.coupled[problem.coupled < owned * components]] = False
         rows = self._fields[:owned].reshape(-1, modes)[held]
-        rows = np.concatenate([rows, *self._on_springs()])
+        rows = np.concatenate([rows, *self._on_springs(), self._faces.held])
         every = [np.hstack([rows, np.zeros((len(rows), floats))])]
         for contact in problem.contacts:
             if contact.normal.sticks:
@@ -298,6 +302,37 @@ class RigidMotions:
             if abs(share) > _NAMED * scale:
                 words.append(f"the obstacle at '{contact.label}'")
         return ", ".join(words)
+
+
+class CoupledMotions:
+    """How coupled faces move in rigid motions of the body, by their ways; collective.
+
+    Attributes:
+        given: Whether each way is given, so that it holds the body.
+        held: These ways in each motion, on the first rank, (given, motions).
+        work: Work of the forces and moments of couplings on each motion, (motions,)
+            (force × length).
+
+    Args:
+        problem: The model.
+        fields: Displacements of the motions, (nodes, components, motions).
+    """
+
+    def __init__(self, problem: Problem, fields: Array) -> None:
+        motions = [one for one in problem.body_scalars if isinstance(one, FaceMotion)]
+        self.given = [one.is_locked for one in motions]
+        self.held, self.work = np.zeros((0, fields.shape[-1])), np.zeros(fields.shape[-1])
+        if not motions:
+            return
+        own, comm = slice(problem.spaces.owned_nodes), problem.comm
+        moved = np.array([one.moved[own] for one in motions])
+        gram = total(comm, np.einsum("inc,jnc->ij", moved, moved))
+        products = total(comm, np.einsum("inc,ncm->im", moved, fields[own]))
+        ways = np.linalg.pinv(np.asarray(gram), hermitian=True) @ products
+        ways[np.abs(ways) <= 1e-12 * np.abs(ways).max()] = 0.0
+        self.work = np.array([one.own_force for one in motions]) @ ways
+        if comm.rank == 0:
+            self.held = ways[np.array(self.given, dtype=bool)]
 
 
 def _of_parts(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:

@@ -1,8 +1,8 @@
 """The kinds of scalar unknowns, each with what finds those of a problem: a line for a new one.
 
 These are the depth of an obstacle that a force drives, the resultant of a contact that the far
-field of a half-space follows, and the shortening of a preloaded part, such as a tight bolt. The
-force N along the part is the one that the scene asks for; or the part is locked, and keeps the
+field of a half-space follows, the motions of faces that are rigid (``couplings``), and the
+shortening of a preloaded part, such as a tight bolt. The force N along the part is the one that the scene asks for; or the part is locked, and keeps the
 length that it has.
 """
 
@@ -14,6 +14,7 @@ import ufl
 from ufl.core.expr import Expr
 
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
+from fenics_contact.problem.couplings import face_motions
 from fenics_contact.problem.scalar_unknown import (
     BodyScalar,
     ContactScalar,
@@ -175,7 +176,8 @@ class Shortening(BodyScalar):
 def shortenings(problem: KnownProblem) -> list[ScalarUnknown]:
     """One for each preload of the scene, in its order."""
     elastic = problem.elastic
-    known = zip(problem.scene.preload, elastic.preloaded, elastic.scalar_forces, strict=True)
+    forces = elastic.scalar_forces[: len(elastic.preloaded)]
+    known = zip(problem.scene.preload, elastic.preloaded, forces, strict=True)
     return [
         Shortening(preload, f"preload[{number}]", part, forces)
         for number, (preload, part, forces) in enumerate(known)
@@ -185,7 +187,7 @@ def shortenings(problem: KnownProblem) -> list[ScalarUnknown]:
 Kind = Callable[[KnownProblem], list[ScalarUnknown]]
 
 # Each returns the scalar unknowns of a kind of a problem whose contacts and far field are known.
-_KINDS: list[Kind] = [indentations, resultants, shortenings]
+_KINDS: list[Kind] = [indentations, resultants, shortenings, face_motions]
 
 
 def register(kind: Kind) -> None:

@@ -209,11 +209,13 @@ class ScalarState:
         force: The body's force that does work on it (force).
         value: Its value (length).
         is_locked: Whether the scene kept its value.
+        works: Whether its work is besides that of nodal forces on the displacement.
     """
 
     force: float
     value: float
     is_locked: bool
+    works: bool = True
 
 
 class BodyScalar(ScalarUnknown):
@@ -222,6 +224,7 @@ class BodyScalar(ScalarUnknown):
     Attributes:
         label: What results call it.
         force_name: Name of ∂W/∂q among quantities of results; None where these have none.
+        has_slack: Whether without a force it may stay anywhere, as the shortening of a loose bolt.
 
     Args:
         label: What results call it.
@@ -229,6 +232,7 @@ class BodyScalar(ScalarUnknown):
     """
 
     force_name: ClassVar[str | None] = None
+    has_slack: ClassVar[bool] = True
 
     def __init__(self, label: str, forces: ScalarForces) -> None:
         self.label, self._forces = label, forces
@@ -266,6 +270,18 @@ class BodyScalar(ScalarUnknown):
         Args:
             time: The pseudo-time.
             more: Force over pseudo-time besides the scene's.
+        """
+
+    @property
+    def moved(self) -> Array | None:
+        """Displacement of a unit of it, (nodes, components); None where it moves no node."""
+        return None
+
+    def follow_loads(self, nodal: Array) -> None:  # noqa: B027  (most have no part of them)
+        """Take loads into account that act on what it moves; collective.
+
+        Args:
+            nodal: Of the present time, (nodes, components) (force).
         """
 
     def reach(self, value: float) -> None:

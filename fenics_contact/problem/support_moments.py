@@ -48,6 +48,7 @@ class SupportMoments:
             for one in scene.support
             if one.moment_about is not None
         }
+        given |= {face.described.label: face.at for face in discrete.elastic.faces}
         found: dict[str, Array] = {}
         for support in supports:
             label = support.label

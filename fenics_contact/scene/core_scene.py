@@ -7,6 +7,7 @@ from typing import Literal
 from fenics_contact.scene.body import Material, MeshSource
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Point, Preload
+from fenics_contact.scene.loading.couplings import Coupling
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import HalfSpace
@@ -41,6 +42,7 @@ class CoreScene(HasUnits):
     support: tuple[Support, ...]
     load: tuple[Load, ...]
     preload: tuple[Preload, ...]
+    coupling: tuple[Coupling, ...]
     contact: tuple[Contact, ...]
     point: tuple[Point, ...]
     symmetry: tuple[str, ...]
@@ -72,7 +74,8 @@ class CoreScene(HasUnits):
     @property
     def names(self) -> QuantityNames:
         """The names by which quantities can be asked for."""
-        supports = [*(support.label for support in self.support), *self.symmetry]
+        supports = [each.label for each in (*self.support, *self.coupling)]
+        supports += self.symmetry
         if self.half_space is not None:
             supports.append(self.half_space.label)
         return QuantityNames(

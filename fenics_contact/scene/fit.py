@@ -37,6 +37,7 @@ def require_fit(scene: CoreScene) -> None:
     _require_distinct("points", [point.name for point in scene.point])
     _require_distinct("contacts", [contact.label for contact in scene.contact])
     _require_distinct("preloads", [preload.label for preload in scene.preload])
+    _require_couplings(scene)
     _require_known(scene)
     require_cycles(scene)
     _require_motion(scene)
@@ -115,6 +116,30 @@ def _require_model(scene: CoreScene) -> None:
         raise ValueError(f"half_space: its boundary holds it, so leave out {springs[0]}")
     if scene.half_space is not None and scene.kinematics == "plane stress":
         raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
+
+
+def _require_couplings(scene: CoreScene) -> None:
+    """Refuse couplings that a model cannot have, or that share names."""
+    for number, coupling in enumerate(scene.coupling):
+        key = f"coupling[{number}]"
+        coupling.require_model(scene.kinematics, key)
+        for name in ("at", "force"):
+            given = getattr(coupling, name)
+            if given is not None and len(given) != scene.dimension:
+                raise ValueError(
+                    f"{key}.{name} has {len(given)} entries; a {scene.kinematics} model needs "
+                    f"{scene.dimension}"
+                )
+    names = [support.label for support in scene.support]
+    _require_distinct("couplings", [one.label for one in scene.coupling])
+    if same := {one.label for one in scene.coupling} & set(names):
+        raise ValueError(
+            f"coupling: '{min(same)}' is the name of a support, too; give the coupling another name"
+        )
+    if scene.coupling and scene.half_space is not None:
+        raise ValueError("half_space: only the contacts' forces reach it, so leave out coupling")
+    if scene.coupling and scene.motion is not None:
+        raise ValueError("motion: not with a coupling, whose face has no mass of its own yet")
 
 
 def _require_centres(scene: CoreScene) -> None:

@@ -204,7 +204,7 @@ def take_up_slack(newton: Newton, last: Solution | None) -> None:
     largest = max([system.earlier_forces, *(abs(one.force) for one in scalars)], default=0.0)
     for one in scalars:
         one.keep(None)
-    free = [number for number, one in enumerate(scalars) if not one.is_locked]
+    free = [n for n, one in enumerate(scalars) if one.has_slack and not one.is_locked]
     had_none = {number for number in free if abs(before[number]) <= _NONE * largest}
     idle = {number for number in free if scalars[number].force == 0}
     present = problem.of_body_scalars(system.scalar_values(system.state))

@@ -66,6 +66,9 @@ def keyed_paths(scene: CoreScene) -> Iterator[KeyedPath]:
         yield KeyedPath(load.path, f"load[{number}].path")
     for number, preload in enumerate(scene.preload):
         yield KeyedPath(preload.path, f"preload[{number}].path")
+    for number, coupling in enumerate(scene.coupling):
+        acts = any(coupling.given.values()) or any(coupling.acting.values())
+        yield KeyedPath(coupling.path, f"coupling[{number}].path", acts)
     for number, contact in enumerate(scene.contact):
         key = f"contact[{number}]"
         yield KeyedPath(contact.pressure_path, f"{key}.pressure_path")

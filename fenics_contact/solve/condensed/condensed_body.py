@@ -119,8 +119,8 @@ class CondensedBody:
     def _take(self, bulk: CondensedBulk) -> None:
         """Work out all that follows from a factorisation and is remembered; collective."""
         self.bulk, discrete, moves = bulk, self.discrete, self._moves
-        forces = discrete.elastic.scalar_forces
-        self.scalars = CondensedScalars(forces, self.stiffness, bulk, self.held)
+        forces, own = discrete.elastic.scalar_forces, discrete.elastic.scalar_stiffness
+        self.scalars = CondensedScalars(forces, own, self.stiffness, bulk, self.held)
         self.loads = CondensedLoads(bulk)
         self.loads_at = LoadsOfBody(
             self.stiffness,

@@ -377,6 +377,10 @@ class CondensedSystem(System):
         internal = self.stiffness.forces(found)
         for scalar in self.problem.body_scalars:
             internal += scalar.value * scalar.forces_on_body.nodal
+        values = np.array([scalar.value for scalar in self.problem.body_scalars])
+        moved = self.problem.moved_by_scalars(values)
+        if moved is not None:
+            self.problem.displacement.x.array[:] += moved.reshape(-1)
         return BodyAnswer(
             self.problem.displacement.x.array.reshape(-1, components).copy(),
             internal,

@@ -33,6 +33,7 @@ class CondensedScalars:
 
     Args:
         forces: What a unit of each scalar does to the body.
+        own: Second derivatives of the energy in the scalars, (scalars, scalars).
         stiffness: Of this rank's cells.
         bulk: Condensed.
         held: Which of this rank's unknowns supports hold.
@@ -41,6 +42,7 @@ class CondensedScalars:
     def __init__(
         self,
         forces: Sequence[ScalarForces],
+        own: Array,
         stiffness: LocalStiffness,
         bulk: CondensedBulk,
         held: Flags,
@@ -53,7 +55,6 @@ class CondensedScalars:
         self.condensed = [bulk.condense(load) for load in self.loads]
         moved = [bulk.expand(load, np.zeros(bulk.count)) for load in self.loads]
         self._moved = np.array(moved).reshape(shape)
-        own = np.diag([one.stiffness for one in forces]).reshape(len(forces), len(forces))
         self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T)) + own
 
     def border(self, kept: KeptUnknowns, size: int) -> ScalarBorder:

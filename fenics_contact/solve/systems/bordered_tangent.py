@@ -174,8 +174,11 @@ class AddedTangents:
                 rows = self._rows(tangent, dofs)
                 tangent.setValues(rows, scalar, values, addv=add)
                 tangent.setValues(scalar, rows, values, addv=add)
-            if self._problem.comm.rank == 0:
-                tangent.setValues(scalar, scalar, [forces.stiffness], addv=add)
+        scalars = self._problem.body_scalars
+        if scalars and self._problem.comm.rank == 0:
+            last = [number for number, one in enumerate(self._unknowns) if one in scalars]
+            rows = np.array([self._scalar_row(tangent, n) for n in last], dtype=PETSc.IntType)
+            tangent.setValues(rows, rows, self._problem.elastic.scalar_stiffness, addv=add)
 
     def _bulk_columns(self, forces: ScalarForces) -> list[tuple[Integers, Array]]:
         """Rows of this rank that a scalar puts forces on, and the forces of a unit of it."""

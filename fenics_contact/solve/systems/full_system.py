@@ -92,11 +92,15 @@ class BodySystem(System):
         function = self.problem.displacement.x
         function.array[: self._owned_size] = state.array_r[: self._owned_size]
         function.scatter_forward()
+        scalars = self.scalar_values(state)
+        moved = self.problem.moved_by_scalars(self.problem.of_body_scalars(scalars))
+        if moved is not None:
+            function.array[:] += moved.reshape(-1)
         displacement = self._nodal_displacement()
         at_surfaces = [
             contact.kinematics.relative(displacement) for contact in self.problem.contacts
         ]
-        self.move_contacts(at_surfaces, self.scalar_values(state))
+        self.move_contacts(at_surfaces, scalars)
 
     def _nodal_displacement(self) -> Array:
         """The present displacement, shape (nodes, components), ghosts included."""

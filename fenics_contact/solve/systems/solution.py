@@ -104,8 +104,11 @@ class Solution:
 
     @property
     def work_on_scalars(self) -> float:
-        """∑ N q of the forces N on the body's scalars q: twice their part of the strain energy."""
-        return float(sum(state.force * state.value for state in self.scalars))
+        """∑ N q of the forces N on the body's scalars q: twice their part of the strain energy.
+
+        Without those whose work is that of nodal forces.
+        """
+        return float(sum(state.force * state.value for state in self.scalars if state.works))
 
     @property
     def bulk_round_off(self) -> float:

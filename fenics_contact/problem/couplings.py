@@ -1,0 +1,163 @@
+"""The motions of faces that are rigid, as scalar unknowns of the problem."""
+
+from __future__ import annotations
+
+from typing import ClassVar, cast
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from ufl.core.expr import Expr
+
+from fenics_contact.body.coupled_face import CoupledFace, MotionForces
+from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import largest, total
+from fenics_contact.problem.scalar_unknown import (
+    BodyScalar,
+    KnownProblem,
+    ScalarState,
+    ScalarUnknown,
+)
+from fenics_contact.scene.loading.couplings import Coupling, Way
+from fenics_contact.scene.loading.load_paths import KeyedPath
+
+# Of a unit of a way: what is less at dofs that symmetry holds is round-off.
+_NONE = 1e-9
+
+
+class FaceMotion(BodyScalar):
+    """One way in which a coupled face moves, as a length q: its force N(u, q) = F, or q is given.
+
+    N is the work of K u on the face over q, F that of the coupling's force or moment and of the
+    loads that act on the nodes of the face.
+
+    Attributes:
+        way: Along or about which axis.
+
+    Args:
+        scene: The coupling.
+        key: Its key, for messages.
+        elastic: The body's energy.
+        face: The face.
+        way: Along or about which axis.
+        forces: What a unit of it does to the body.
+        is_mirrored: Whether symmetry keeps it at 0.
+    """
+
+    has_slack: ClassVar[bool] = False
+
+    def __init__(
+        self,
+        scene: Coupling,
+        key: str,
+        elastic: ElasticBody,
+        face: CoupledFace,
+        way: Way,
+        forces: MotionForces,
+        is_mirrored: bool,
+    ) -> None:
+        super().__init__(f"{'.'.join(way)} of {scene.label}", forces)
+        self.scene, self.way, self._face, self._motion = scene, way, face, forces
+        self._elastic = elastic
+        self._path = KeyedPath(scene.path, f"{key}.path")
+        self._is_given = is_mirrored or way in scene.given
+        self._amount = 0.0 if is_mirrored else face.amount(way, scene.given.get(way, 0.0))
+        self._work = face.work(way, scene.acting.get(way, 0.0))
+        self._factor, self._by_loads, self._besides = 0.0, 0.0, 0.0
+
+    @property
+    def name(self) -> str:
+        """Name of the scalar in results."""
+        return self.label
+
+    @property
+    def term(self) -> str | None:
+        """Name of the energy term that its force makes, for results; None without one."""
+        if self.is_locked or not self._work:
+            return None
+        kind = "force" if self.way[0] == "displacement" else "moment"
+        return f"{kind} on {self.scene.label} along {self.way[1]}"
+
+    @property
+    def force(self) -> float:
+        """Work over q of the coupling's force and of loads on its face (force)."""
+        return self._work * self._factor + self._by_loads
+
+    @property
+    def own_force(self) -> float:
+        """The same of the coupling alone, 0 where the motion is given (force)."""
+        return 0.0 if self._is_given else self._work * self._factor
+
+    @property
+    def has_force(self) -> bool:
+        """Whether anything pushes it; a given motion counts."""
+        return True
+
+    @property
+    def is_locked(self) -> bool:
+        """Whether the scene gives the motion."""
+        return self._is_given
+
+    @property
+    def held(self) -> float | None:
+        """The motion that is given at present; None where its equation finds it (length)."""
+        return self._amount * self._factor if self._is_given else self._kept_at
+
+    @property
+    def start(self) -> float:
+        """The motion at which a load step begins (length)."""
+        return self._reached if self.held is None else self.held
+
+    @property
+    def moved(self) -> Array:
+        """Displacement of a unit of it, 0 off the face, (nodes, components)."""
+        return self._motion.moved
+
+    def set_time(self, time: float, more: float = 0.0) -> None:
+        """Bring force and given motion to a pseudo-time."""
+        self._factor = self._path(time)
+        self._besides = more * time
+
+    def follow_loads(self, nodal: Array) -> None:
+        """Take the loads on the face into account; collective.
+
+        Args:
+            nodal: Of the present time, (nodes, components) (force).
+        """
+        own = slice(self._motion.spaces.owned_nodes)
+        works = float(np.sum(self._motion.moved[own] * nodal[own]))
+        self._by_loads = float(total(self._motion.spaces.comm, works)) + self._besides
+
+    def state_at(self, force: float, value: float) -> ScalarState:
+        """State in an answer; its work is that of the displacement of the face's nodes."""
+        return ScalarState(force, value, self.is_locked, works=False)
+
+    def amount_of(self, value: float) -> float:
+        """Displacement or rotation of a value of the scalar (length, radian)."""
+        return value / self._face.amount(self.way, 1.0)
+
+    def force_of(self, stress: Expr) -> Expr:
+        """∂W/∂q of a stress, ∫ σ : e(E), as a form in UFL, weighted."""
+        spaces = self._motion.spaces
+        unit = fem.Function(spaces.displacement_space)
+        unit.x.array[:] = self._motion.moved.reshape(-1)
+        return spaces.weight * ufl.inner(stress, self._elastic.strain(unit)) * spaces.bulk
+
+
+def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
+    """Return a scalar for each way of each coupling of the scene, in its order; collective."""
+    elastic, found = problem.elastic, list[ScalarUnknown]()
+    motions = iter(elastic.scalar_forces[len(elastic.preloaded) :])
+    mirrored = np.concatenate(
+        [np.zeros(0, np.int64), *(one.dofs for one in problem.supports.held.by_symmetry)]
+    )
+    pairs = zip(problem.scene.coupling, elastic.faces, strict=True)
+    for number, (coupling, face) in enumerate(pairs):
+        for way in face.ways:
+            forces = cast(MotionForces, next(motions))
+            at_planes = np.abs(forces.moved.reshape(-1)[mirrored])
+            is_mirrored = largest(problem.spaces.comm, at_planes) > _NONE
+            key = f"coupling[{number}]"
+            found.append(FaceMotion(coupling, key, elastic, face, way, forces, is_mirrored))
+    return found
