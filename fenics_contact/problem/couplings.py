@@ -5,12 +5,9 @@ from __future__ import annotations
 from typing import ClassVar, cast
 
 import numpy as np
-import ufl
-from dolfinx import fem
 from ufl.core.expr import Expr
 
 from fenics_contact.body.coupled_face import CoupledFace, MotionForces
-from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.problem.scalar_unknown import (
@@ -38,7 +35,6 @@ class FaceMotion(BodyScalar):
     Args:
         scene: The coupling.
         key: Its key, for messages.
-        elastic: The body's energy.
         face: The face.
         way: Along or about which axis.
         forces: What a unit of it does to the body.
@@ -51,7 +47,6 @@ class FaceMotion(BodyScalar):
         self,
         scene: Coupling,
         key: str,
-        elastic: ElasticBody,
         face: CoupledFace,
         way: Way,
         forces: MotionForces,
@@ -59,7 +54,6 @@ class FaceMotion(BodyScalar):
     ) -> None:
         super().__init__(f"{'.'.join(way)} of {scene.label}", forces)
         self.scene, self.way, self._face, self._motion = scene, way, face, forces
-        self._elastic = elastic
         self._path = KeyedPath(scene.path, f"{key}.path")
         self._is_given = is_mirrored or way in scene.given
         self._amount = 0.0 if is_mirrored else face.amount(way, scene.given.get(way, 0.0))
@@ -137,12 +131,9 @@ class FaceMotion(BodyScalar):
         """Displacement or rotation of a value of the scalar (length, radian)."""
         return value / self._face.amount(self.way, 1.0)
 
-    def force_of(self, stress: Expr) -> Expr:
-        """∂W/∂q of a stress, ∫ σ : e(E), as a form in UFL, weighted."""
-        spaces = self._motion.spaces
-        unit = fem.Function(spaces.displacement_space)
-        unit.x.array[:] = self._motion.moved.reshape(-1)
-        return spaces.weight * ufl.inner(stress, self._elastic.strain(unit)) * spaces.bulk
+    def force_of(self, stress: Expr) -> Expr | None:
+        """None: all its force is that of nodal forces on the face."""
+        return None
 
 
 def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
@@ -159,5 +150,5 @@ def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
             at_planes = np.abs(forces.moved.reshape(-1)[mirrored])
             is_mirrored = largest(problem.spaces.comm, at_planes) > _NONE
             key = f"coupling[{number}]"
-            found.append(FaceMotion(coupling, key, elastic, face, way, forces, is_mirrored))
+            found.append(FaceMotion(coupling, key, face, way, forces, is_mirrored))
     return found

@@ -320,9 +320,12 @@ class BodyScalar(ScalarUnknown):
         return None
 
     @abstractmethod
-    def force_of(self, stress: Expr) -> Expr:
+    def force_of(self, stress: Expr) -> Expr | None:
         """∂W/∂q of a stress of the body as a form in UFL, weighted.
 
         Args:
             stress: (3, 3).
+
+        Returns:
+            None where all of it is that of nodal forces on what the scalar moves.
         """

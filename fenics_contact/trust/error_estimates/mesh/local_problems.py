@@ -99,9 +99,8 @@ class LocalErrors:
             self._error_stress(),
         )
         error_stress = self._error_stress()
-        self._on_scalars = [
-            form_cache.form(scalar.force_of(error_stress)) for scalar in problem.body_scalars
-        ]
+        on_scalars = [scalar.force_of(error_stress) for scalar in problem.body_scalars]
+        self._on_scalars = [None if one is None else form_cache.form(one) for one in on_scalars]
         self._work = [self._work_on(trace) for _, trace in self._traces()]
         self._response_on_contacts = self._contact_response(test)
         self._response_on_springs = [
@@ -208,7 +207,8 @@ class LocalErrors:
         on_springs = [spaces.assemble(form) for form in self._response_on_springs]
         every = (self._response, self._response_on_contacts)
         found = np.add.reduce([*(spaces.assemble(form) for form in every), *on_springs])
-        own = [fem.assemble_scalar(form) for form in self._on_scalars]
+        forms = self._on_scalars
+        own = [0.0 if form is None else fem.assemble_scalar(form) for form in forms]
         on_scalars = np.asarray(total(self._problem.comm, np.array(own, dtype=np.float64)))
         self._set_error(np.ones(self._cells))
         return ForcesOfErrors(found, on_scalars, on_springs)
