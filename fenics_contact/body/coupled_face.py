@@ -105,9 +105,7 @@ class MotionsOfFaces:
         mean_pressure: ∫ t tr(e(u)) of a mean stress that is an unknown, in UFL; None without one.
     """
 
-    def __init__(
-        self, spaces: Spaces, stiffness: ufl.Form, mean_pressure: ufl.Form | None
-    ) -> None:
+    def __init__(self, spaces: Spaces, stiffness: ufl.Form, mean_pressure: ufl.Form | None) -> None:
         self._spaces = spaces
         self._unit = fem.Function(spaces.displacement_space)
         self._forces = form_cache.form(ufl.action(stiffness, self._unit))
@@ -132,6 +130,4 @@ class MotionsOfFaces:
         own = slice(spaces.owned_nodes)
         stiffness = float(total(spaces.comm, float(np.sum(nodal[own] * moved[own]))))
         present = fem.Constant(spaces.body.mesh, 0.0)
-        return MotionForces(
-            spaces, present, nodal, on_mean_stress, owned, stiffness, moved, []
-        )
+        return MotionForces(spaces, present, nodal, on_mean_stress, owned, stiffness, moved, [])

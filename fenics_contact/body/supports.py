@@ -108,6 +108,16 @@ class HeldDofs:
         """Whether two planes face each other: mirrored in both, the body goes on for ever."""
         return len({plane.axis for plane in self.planes}) < len(self.planes)
 
+    def reached_planes(self, dofs: Integers) -> set[int]:
+        """Axes across planes of symmetry in which some of the nodes of dofs lie; collective."""
+        spaces = self._spaces
+        places, close = spaces.coordinates[dofs // spaces.components], _FLAT * spaces.size
+        return {
+            plane.axis
+            for plane in self.planes
+            if smallest(spaces.comm, np.abs(places[:, plane.axis] - plane.at)) <= close
+        }
+
     def _group(self, number: int, held: HeldGroup) -> Held:
         spaces = self._spaces
         nodes = spaces.nodes(spaces.body.group(held.on, f"support[{number}].on"))
@@ -185,6 +195,7 @@ class AppliedSupport:
         values: Prescribed displacement of each (length).
         path: How they grow over the load steps.
         name: In results; by default that of the group.
+        follows: Whether scalar unknowns move it, besides these values.
     """
 
     on: str
@@ -192,6 +203,7 @@ class AppliedSupport:
     values: Array
     path: Callable[[float], float] = RAMP
     name: str = ""
+    follows: bool = False
 
     @property
     def label(self) -> str:
@@ -219,7 +231,9 @@ class Supports:
             for number, support in enumerate(scene.support)
         ]
         self.applied += [
-            AppliedSupport(one.on, held_so.dofs, np.zeros(len(held_so.dofs)), name=one.label)
+            AppliedSupport(
+                one.on, held_so.dofs, np.zeros(len(held_so.dofs)), name=one.label, follows=True
+            )
             for one, held_so in zip(scene.coupling, held.by_couplings, strict=True)
         ]
         self.applied += [

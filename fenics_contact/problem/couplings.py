@@ -9,7 +9,7 @@ from ufl.core.expr import Expr
 
 from fenics_contact.body.coupled_face import CoupledFace, MotionForces
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import largest, total
+from fenics_contact.common.parallel import total
 from fenics_contact.problem.scalar_unknown import (
     BodyScalar,
     KnownProblem,
@@ -18,9 +18,7 @@ from fenics_contact.problem.scalar_unknown import (
 )
 from fenics_contact.scene.loading.couplings import Coupling, Way
 from fenics_contact.scene.loading.load_paths import KeyedPath
-
-# Of a unit of a way: what is less at dofs that symmetry holds is round-off.
-_NONE = 1e-9
+from fenics_contact.scene.values import AXES
 
 
 class FaceMotion(BodyScalar):
@@ -38,7 +36,7 @@ class FaceMotion(BodyScalar):
         face: The face.
         way: Along or about which axis.
         forces: What a unit of it does to the body.
-        is_mirrored: Whether symmetry keeps it at 0.
+        is_mirrored: Whether symmetry keeps it at 0, as the face and its mirror image are one.
     """
 
     has_slack: ClassVar[bool] = False
@@ -82,6 +80,10 @@ class FaceMotion(BodyScalar):
     def own_force(self) -> float:
         """The same of the coupling alone, 0 where the motion is given (force)."""
         return 0.0 if self._is_given else self._work * self._factor
+
+    def force_factor(self, time: float) -> float:
+        """The force on the scalar over the scene's force or moment; 0 where its motion is given."""
+        return 0.0 if self._is_given else self._face.work(self.way, 1.0) * self._path(time)
 
     @property
     def has_force(self) -> bool:
@@ -140,15 +142,13 @@ def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
     """Return a scalar for each way of each coupling of the scene, in its order; collective."""
     elastic, found = problem.elastic, list[ScalarUnknown]()
     motions = iter(elastic.scalar_forces[len(elastic.preloaded) :])
-    mirrored = np.concatenate(
-        [np.zeros(0, np.int64), *(one.dofs for one in problem.supports.held.by_symmetry)]
-    )
-    pairs = zip(problem.scene.coupling, elastic.faces, strict=True)
-    for number, (coupling, face) in enumerate(pairs):
+    held = problem.supports.held
+    rows = zip(problem.scene.coupling, elastic.faces, held.by_couplings, strict=True)
+    for number, (coupling, face, at) in enumerate(rows):
+        mirrored = {AXES[axis] for axis in held.reached_planes(at.dofs)}
         for way in face.ways:
+            kind, axis = way
+            across = axis in mirrored if kind == "displacement" else bool(mirrored - {axis})
             forces = cast(MotionForces, next(motions))
-            at_planes = np.abs(forces.moved.reshape(-1)[mirrored])
-            is_mirrored = largest(problem.spaces.comm, at_planes) > _NONE
-            key = f"coupling[{number}]"
-            found.append(FaceMotion(coupling, key, face, way, forces, is_mirrored))
+            found.append(FaceMotion(coupling, f"coupling[{number}]", face, way, forces, across))
     return found

@@ -2,8 +2,8 @@
 
 These are the depth of an obstacle that a force drives, the resultant of a contact that the far
 field of a half-space follows, the motions of faces that are rigid (``couplings``), and the
-shortening of a preloaded part, such as a tight bolt. The force N along the part is the one that the scene asks for; or the part is locked, and keeps the
-length that it has.
+shortening of a preloaded part, such as a tight bolt. The force N along the part is the one that the
+scene asks for; or the part is locked, and keeps the length that it has.
 """
 
 from __future__ import annotations

@@ -277,7 +277,7 @@ class BodyScalar(ScalarUnknown):
         """Displacement of a unit of it, (nodes, components); None where it moves no node."""
         return None
 
-    def follow_loads(self, nodal: Array) -> None:  # noqa: B027  (most have no part of them)
+    def follow_loads(self, nodal: Array) -> None:
         """Take loads into account that act on what it moves; collective.
 
         Args:

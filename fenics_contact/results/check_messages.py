@@ -56,6 +56,11 @@ WORDS: Mapping[str, CheckWords] = {
         "tightened to; over the largest force.",
         "the force of a preload is {share} off the one that it is tightened to",
     ),
+    "coupling": CheckWords(
+        "Force and moment that the body needs of each coupling against those given, moments over "
+        "the face's largest distance from its point; over the largest force.",
+        "the force or moment of a coupling is {share} off the one that is given",
+    ),
     "action_and_reaction": CheckWords(
         "Forces on both bodies of a contact, and their moments, add up to zero; over the forces "
         "on one.",

@@ -74,7 +74,8 @@ class CoreScene(HasUnits):
     @property
     def names(self) -> QuantityNames:
         """The names by which quantities can be asked for."""
-        supports = [each.label for each in (*self.support, *self.coupling)]
+        supports = [support.label for support in self.support]
+        supports += [coupling.label for coupling in self.coupling]
         supports += self.symmetry
         if self.half_space is not None:
             supports.append(self.half_space.label)

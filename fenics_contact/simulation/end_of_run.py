@@ -14,6 +14,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import CHECKING, LOOKING_AHEAD, SEARCHING, Timings, doing
+from fenics_contact.evaluate.couplings import coupling_records
 from fenics_contact.evaluate.quantities import contact_points
 from fenics_contact.problem.existence.condition import FreeMotion
 from fenics_contact.problem.problem import Problem
@@ -267,6 +268,9 @@ class ResultOfRun:
             supports=self.end.budget.of_supports(history.supports),
             reactions=self.end.budget.of_reactions(history.supports),
             preloads=self.end.budget.of_scalars(history.scalars),
+            couplings=self.end.budget.of_couplings(
+                coupling_records(problem, solution, history.supports), problem.couplings.tolist()
+            ),
             quantities=quantities,
             steps=history.steps,
             cycles=cycles,

@@ -8,6 +8,7 @@ place.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import reduce
 
@@ -203,20 +204,39 @@ def equilibrium(forces: InternalForces) -> Check | None:
     return replace(worst, parts=tuple(every)) if len(every) > 1 else worst
 
 
-def given_forces(forces: InternalForces) -> Check | None:
-    """Force on each of the body's scalars against the one that is given; collective.
+def preloads(forces: InternalForces) -> Check | None:
+    """Force along each part that is tightened against the one that it is tightened to; collective.
 
-    Such as that along a bolt that is tightened; over the larger of the two. The one compared
-    follows from the displacement and the scalar. None where no force is given.
+    None where no force is given.
+    """
+    return _given_forces(forces, [one.moved is None for one in forces.problem.body_scalars])
+
+
+def couplings(forces: InternalForces) -> Check | None:
+    """Force and moment that the body needs of each coupling against those given; collective.
+
+    Moments over the largest distance of the face from its point. None where none is given.
+    """
+    return _given_forces(forces, [one.moved is not None for one in forces.problem.body_scalars])
+
+
+def _given_forces(forces: InternalForces, chosen: Sequence[bool]) -> Check | None:
+    """Forces on scalars of the body against those given, over the largest of both; collective.
+
+    The one compared follows from the displacement and the scalar.
+
+    Args:
+        forces: Of the answer.
+        chosen: Which of the body's scalars; those that are locked do not count.
     """
     problem, solution = forces.problem, forces.solution
-    asked = [one.force for one in problem.body_scalars if not one.is_locked]
-    if not asked:
+    rows = zip(problem.body_scalars, forces.scalar_states(), chosen, strict=True)
+    compared = [(s.force, state.force) for s, state, is_one in rows if is_one and not s.is_locked]
+    if not compared:
         return None
-    states = forces.scalar_states()
-    found = [state.force for state in states if not state.is_locked]
+    asked, found = np.array(compared).T
     size = float(np.abs([asked, found]).max()) or 1.0
-    value = float(np.abs(np.subtract(found, asked)).max()) / size
+    value = float(np.abs(found - asked).max()) / size
     return Check(value, _NO_FORCE + 2 * solution.imbalance_limit / size)
 
 

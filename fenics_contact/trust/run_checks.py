@@ -44,8 +44,9 @@ from fenics_contact.trust.normal_checks import (
 from fenics_contact.trust.resultant_checks import (
     action_and_reaction,
     boundary_stress,
+    couplings,
     equilibrium,
-    given_forces,
+    preloads,
     resultant,
     stabilisation,
 )
@@ -111,7 +112,8 @@ OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
     "equilibrium": lambda solved: equilibrium(solved.forces),
     "resultant": lambda solved: resultant(solved.forces),
     "stabilisation": lambda solved: stabilisation(solved.forces),
-    "preload": lambda solved: given_forces(solved.forces),
+    "preload": lambda solved: preloads(solved.forces),
+    "coupling": lambda solved: couplings(solved.forces),
     "action_and_reaction": lambda solved: action_and_reaction(solved.forces),
     "boundary_stress": lambda solved: boundary_stress(solved.forces),
     "unseen_contact": lambda solved: unseen_contact(solved.forces),

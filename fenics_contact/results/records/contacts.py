@@ -231,6 +231,34 @@ class PreloadRecord(Record):
     errors: Errors = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CouplingRecord(Record):
+    """A face that moves as a rigid body with a point.
+
+    Attributes:
+        name: That of the scene, by default that of the boundary.
+        on: The boundary.
+        kind: ``rigid``.
+        displacement: Of the point (length).
+        rotation: Of the face (radian): about the three axes in space, one number in the plane,
+            none in axisymmetric models.
+        force: On the point, given or needed; of the part that is modelled (force).
+        moment: The same about the point (force·length), likewise as the rotation.
+        errors: Estimated errors of these.
+    """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"errors"})
+
+    name: str
+    on: str
+    kind: str
+    displacement: list[float]
+    rotation: list[float]
+    force: list[float]
+    moment: list[float]
+    errors: Errors = field(default_factory=dict)
+
+
 #: The records of scalar unknowns that results name: one class for each kind.
 ScalarRecord = PreloadRecord
 

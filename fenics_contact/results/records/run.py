@@ -12,6 +12,7 @@ from fenics_contact.analyses.stability.record import StabilityRecord
 from fenics_contact.analyses.vibration.record import DampingRecord, ModeRecord
 from fenics_contact.results.records.contacts import (
     ContactRecord,
+    CouplingRecord,
     PreloadRecord,
     ReactionRecord,
     SlipLimitRecord,
@@ -182,6 +183,7 @@ class Outcome(Record):
         supports: Each support.
         reactions: Name → all supports of that name together.
         preloads: Name → preload, where there are any.
+        couplings: Each face that moves as a rigid body, in scene order, where there are any.
         quantities: Of the whole model, at the end; empty without an answer.
         steps: Each load step.
         cycles: What becomes of loads that come again and again, where they do.
@@ -208,7 +210,7 @@ class Outcome(Record):
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
         {
             *("accuracy", "cycles", "damping", "derivatives", "fretting", "further", "modes"),
-            *("preloads", "slip_limit", "stability", "uncertainty", "units"),
+            *("couplings", "preloads", "slip_limit", "stability", "uncertainty", "units"),
         }
     )
 
@@ -220,6 +222,7 @@ class Outcome(Record):
     supports: list[SupportRecord]
     reactions: Mapping[str, ReactionRecord] = field(default_factory=dict)
     preloads: Mapping[str, PreloadRecord] = field(default_factory=dict)
+    couplings: list[CouplingRecord] = field(default_factory=list)
     quantities: Quantities
     steps: list[StepRecord]
     cycles: CyclesRecord | None = None

@@ -275,7 +275,7 @@ def _energies(problem: Problem, solution: Solution, factor: float) -> StateGradi
     for foot in problem.feet:  # K has their springs, too, whose energy is another
         nodal = nodal - factor * foot.springs.pull(solution.displacement)
     body = BodyGradient(nodal, np.zeros_like(nodal))
-    forces = [factor * state.force for state in solution.scalars]
+    forces = [factor * state.force if state.works else 0.0 for state in solution.scalars]
     scalars = StateGradient.of_scalars(problem, zip(problem.body_scalars, forces, strict=True))
     return StateGradient.of_body(problem, body, factor).plus(scalars)
 
@@ -319,7 +319,8 @@ def _work_on_contact(contact: ContactSurface, state: ContactState) -> AnswerGrad
 
 def _reaction(problem: Problem, _solution: Solution, name: QuantityName) -> StateGradient:
     assert name.axis is not None
-    dofs = _dofs_of(problem, name.owner, name.axis) if name.owner else problem.constrained
+    held = np.setdiff1d(problem.constrained, problem.coupled)
+    dofs = _dofs_of(problem, name.owner, name.axis) if name.owner else held
     reactions = np.zeros_like(problem.load)
     is_radial = problem.spaces.kinematics == "axisymmetric" and name.axis == 0
     if not is_radial:  # over a revolution they cancel

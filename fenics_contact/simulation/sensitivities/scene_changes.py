@@ -110,6 +110,7 @@ class SceneChanges:
             "load": self._of_load,
             "support": self._of_support,
             "preload": self._of_preload,
+            "coupling": self._of_coupling,
             "material": self._of_material,
         }
         if group not in kinds:
@@ -126,6 +127,9 @@ class SceneChanges:
         for number, preload in enumerate(self._shortenings):
             own = self._of_preload(f"preload.{number}.force", number, ["force"])
             found = found.added(own.times(-preload.scene.force / thickness))
+        forces = {self.problem.unknowns.index(one): one.own_force for one in self._motions}
+        given = Change(scalars={n: -force / thickness for n, force in forces.items() if force})
+        found = found.added(given)
         for number, contact in enumerate(self.problem.contacts):
             if contact.has_unknown_position:
                 obstacle = contact.contact.obstacle
@@ -194,6 +198,25 @@ class SceneChanges:
         preload = self._shortenings[number]
         return Change(scalars={problem.unknowns.index(preload): preload.force_factor(self.time)})
 
+    def _of_coupling(self, key: str, number: int, rest: list[str]) -> Change:
+        """The change by a component of a coupling's force or moment."""
+        problem, coupling = self.problem, self.problem.scene.coupling[number]
+        kinds = {"force": "displacement", "moment": "rotation"}
+        if rest[0] not in kinds:
+            raise _refused(key, "of a coupling, the force and the moment have")
+        axis = AXES[int(rest[1])] if rest[1:] else "z"
+        found = {
+            problem.unknowns.index(one): one.force_factor(self.time)
+            for one in self._motions
+            if one.scene is coupling and one.way == (kinds[rest[0]], axis) and not one.is_locked
+        }
+        return Change(scalars=found)
+
+    @property
+    def _motions(self) -> list[FaceMotion]:
+        """Those of the faces of all couplings."""
+        return [one for one in self.problem.body_scalars if isinstance(one, FaceMotion)]
+
     @property
     def _shortenings(self) -> list[Shortening]:
         """One for each preload of the scene, in its order."""
@@ -207,7 +230,7 @@ class SceneChanges:
                 key, "of materials, Young's modulus, Poisson's ratio and density as numbers have"
             )
         problem = self.problem
-        if not isinstance(problem.elastic.law, Isotropic) or problem.body_scalars:
+        if not isinstance(problem.elastic.law, Isotropic) or self._shortenings:
             raise _refused(key, "moduli have where all materials are isotropic, without preloads")
         if problem.far_field is None:
             return Change(modulus=(number, rest[0]))

@@ -92,7 +92,7 @@ def _held(problem: Problem, displacement: Array, time: float) -> list[tuple[Inte
     found = []
     for support in problem.applied_supports:
         dofs, values = support.dofs, displacement.reshape(-1)[support.dofs]
-        if id(support) in given:
+        if id(support) in given and not support.follows:
             values = support.values * support.path(time)
         chosen = slice(0, 0) if id(support) in idle else slice(None)
         found.append((dofs[chosen], values[chosen]))

@@ -18,6 +18,8 @@ from fenics_contact.quantities.names import (
     EXTERNAL_WORK,
     FRICTION_WORK,
     PENALTY_ENERGY,
+    REACTION,
+    REACTION_MOMENT,
     SPRING_ENERGY,
     STRAIN_ENERGY,
 )
@@ -26,7 +28,12 @@ from fenics_contact.results.quantities import (
     reactions_by_name,
     scalars_of_step,
 )
-from fenics_contact.results.records.contacts import ReactionRecord, ScalarRecord, SupportRecord
+from fenics_contact.results.records.contacts import (
+    CouplingRecord,
+    ReactionRecord,
+    ScalarRecord,
+    SupportRecord,
+)
 from fenics_contact.results.records.record import Quantities
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.scene.quantity_names import LossOfCycle, OfScalar, Reaction
@@ -133,6 +140,25 @@ class ErrorBudget:
             name: replace(record, errors=self.scalars.get(name, {}))
             for name, record in records.items()
         }
+
+    def of_couplings(
+        self, records: Sequence[CouplingRecord], numbers: Sequence[int]
+    ) -> list[CouplingRecord]:
+        """``couplings`` of ``result.json``, with ``errors`` where there are any.
+
+        Args:
+            records: Without them.
+            numbers: Those of the couplings among the applied supports.
+        """
+        if not self.supports:
+            return list(records)
+        found = []
+        for record, number in zip(records, numbers, strict=True):
+            forces = self.supports[number]
+            known = {"force": forces.get(REACTION), "moment": forces.get(REACTION_MOMENT)}
+            errors = self.scalars.get(record.name, {}) | {k: row for k, row in known.items() if row}
+            found.append(replace(record, errors=errors))
+        return found
 
 
 def _by_scalar(rows: Mapping[Hashable, Row]) -> dict[str, dict[str, Row]]:

@@ -21,6 +21,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.condensed_forces import CondensedForces
 from fenics_contact.evaluate.contact_quantities import contact_quantities
+from fenics_contact.evaluate.couplings import coupling_motions
 from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
@@ -35,7 +36,7 @@ from fenics_contact.results.quantities import (
 from fenics_contact.results.records.contacts import SupportRecord
 from fenics_contact.scene.core_scene import LoadCycles
 from fenics_contact.scene.loading.load_paths import cycles_of
-from fenics_contact.scene.quantity_names import LossOfCycle, Reaction
+from fenics_contact.scene.quantity_names import LossOfCycle, OfScalar, Reaction
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
@@ -104,6 +105,9 @@ def measured(
         found |= {(number, name): value for name, value in known_quantities(of_contact).items()}
     found |= _losses_of_cycles(problem, solution)
     found |= quantities_of_scalars(scalar_records(problem, solution))
+    motions = coupling_motions(problem, solution.scalars)
+    for coupling, motion in zip(problem.scene.coupling, motions, strict=True):
+        found |= {OfScalar(coupling.label, name): value for name, value in motion.items() if value}
     return found | reactions(supports)
 
 

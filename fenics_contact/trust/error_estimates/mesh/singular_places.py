@@ -145,6 +145,8 @@ def _missed(problem: Problem, displacement: Array, time: float) -> Array:
     missed[problem.free] = 0.0
     flat, present = missed.reshape(-1), displacement.reshape(-1)
     for support in problem.supports.applied:
+        if support.follows:
+            continue
         away = support.values * support.path(time) - present[support.dofs]
         flat[support.dofs] = np.where(away != 0, away, flat[support.dofs])
     return missed + past_steps(problem, time)
