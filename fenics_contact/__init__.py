@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         PressureFormula,
     )
     from fenics_contact.scene.loading.conditions import Load, Point, Preload
+    from fenics_contact.scene.loading.couplings import Coupling
     from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.loading.inertia_kinds import Rotation
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
@@ -84,6 +85,7 @@ __all__ = [
     "Contact",
     "ContactPoints",
     "CoulombFriction",
+    "Coupling",
     "CycleJump",
     "Cycles",
     "Damping",
@@ -168,6 +170,7 @@ _MODULES = {
     "results.result": ("Check", "Result"),
     "scene.scene": ("Discretisation", "Scene"),
     "scene.loading.conditions": ("Load", "Point", "Preload"),
+    "scene.loading.couplings": ("Coupling",),
     "scene.loading.supports": ("FaceRotation", "Support"),
     "scene.loading.inertia_kinds": ("Rotation",),
     "scene.settings": ("Accuracy", "SolverSettings", "Steps"),

@@ -203,7 +203,7 @@ class ZonedSystem(BodySystem):
         nodal = [one.nodal.reshape(-1)[: self._owned_size] for one in every]
         moved = state.array_r[: self._owned_size]
         on_scalars = total(self.comm, np.array([float(one @ moved) for one in nodal]))
-        on_scalars += [one.stiffness * value for one, value in zip(every, values, strict=True)]
+        on_scalars += self.problem.elastic.scalar_stiffness @ values
         with forces as array:
             for one, value in zip(nodal, values, strict=True):
                 array[: self._owned_size] += value * one
