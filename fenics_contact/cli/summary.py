@@ -18,6 +18,7 @@ from fenics_contact.quantities.table import with_true_value
 from fenics_contact.results.check_messages import compares, level_rows, title
 from fenics_contact.results.load_history import newton_steps
 from fenics_contact.results.quantities import (
+    coupling_rows,
     headlines,
     idle_quantities,
     in_figures,
@@ -148,6 +149,18 @@ def _conditions(scene: Scene) -> list[str]:
         along = _given(preload.axis)
         place = "" if preload.between is None else f" of '{preload.group}'"
         lines.append(f"Preload '{preload.label}'{place}: force {force} along {along}{kept}")
+    for coupling in scene.coupling:
+        said = [
+            f"{kind} {axis} = {value:g}{unit(coupling, kind) if kind == 'displacement' else ''}"
+            for (kind, axis), value in coupling.given.items()
+        ]
+        said += [
+            f"{key} {_given(value)}{unit(coupling, key)}"
+            for key in ("force", "moment")
+            if (value := getattr(coupling, key)) is not None
+        ]
+        on = f" on '{coupling.on}'" if coupling.label != coupling.on else ""
+        lines.append(f"Coupling '{coupling.label}'{on}: {', '.join(said) or 'free to move'}")
     for part in registry.parts_of_scene(scene, "words"):
         lines += part.WORDS.plan(scene, names)
     return lines
@@ -209,7 +222,7 @@ def _print_quantities(console: Terminal, result: Result) -> None:
         rows += quantity_rows(result, key)  # of a resultant, contact by contact
         if key == REACTION and len(result.reactions) > 1:
             rows += [row._replace(name=f"  of {row.name}") for row in reaction_rows(result)]
-    for row in [*rows, *preload_rows(result)]:
+    for row in [*rows, *preload_rows(result), *coupling_rows(result)]:
         shown = [row.bar] * len(bars) + [row.unit] * len(units)
         quantities.add_row(escape(row.name), row.value, *shown)
     console.print(quantities)

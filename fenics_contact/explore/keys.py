@@ -177,7 +177,7 @@ def _words(path: tuple[str, ...], axes: int) -> str:
 
 
 # What is done to the body: what else a scene has makes another one, or is of the solver.
-_TABLES = ("contact", "load", "preload", "support")
+_TABLES = ("contact", "coupling", "load", "preload", "support")
 _MOST = 24  # sliders on a page that chooses them itself
 
 

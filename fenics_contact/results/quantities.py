@@ -279,6 +279,29 @@ def preload_rows(result: Outcome) -> list[Shown]:
     return rows
 
 
+#: What couplings have in results, with what each measures.
+MEASURED_BY_COUPLINGS = {
+    "displacement": "length",
+    "rotation": "angle",
+    "force": "force",
+    "moment": "force·length",
+}
+
+
+def coupling_rows(result: Outcome) -> list[Shown]:
+    """Motion of every coupling, and the force and moment on it, in words."""
+    units, rows = result.units or NO_UNITS, []
+    for one in result.couplings:
+        for quantity, measured in MEASURED_BY_COUPLINGS.items():
+            value = one[quantity]
+            if not value:  # an axisymmetric model has no rotation
+                continue
+            said = rounded(value, one.errors.get(quantity))
+            unit = units.of(measured) if measured != "angle" else "rad" if result.units else ""
+            rows.append(Shown(one_line(f"{quantity} of {one.name}"), *said, unit))
+    return rows
+
+
 def reaction_rows(result: Outcome) -> list[Shown]:
     """Reactions of the supports of each name, in words."""
     size = sizes_of(result.quantities, result.contacts)["force"]
@@ -339,7 +362,8 @@ def _main_rows(result: Outcome) -> list[Shown]:
     """None of a run that did not converge: its numbers are of no answer."""
     hidden = idle_quantities(result.contacts)
     keys = [key for key in _MAIN if key in result.quantities and key not in hidden]
-    rows = [row for key in keys for row in quantity_rows(result, key)] + preload_rows(result)
+    rows = [row for key in keys for row in quantity_rows(result, key)]
+    rows += preload_rows(result) + coupling_rows(result)
     rows = rows if result.converged else []
     left_out = f"{len(rows) - _MOST} more"
     return rows if len(rows) <= _MOST else [*rows[:_MOST], Shown(left_out, "", "", "")]

@@ -57,6 +57,7 @@ def require(scene: CoreScene) -> None:
     """
     others = {
         "half_space": scene.half_space is not None,
+        "coupling": bool(scene.coupling),
         "cycles": scene.cycles is not None,
         "solver.stabilisation": scene.solver.stabilisation,
     }

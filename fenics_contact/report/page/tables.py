@@ -19,6 +19,7 @@ from fenics_contact.quantities.table import (
 from fenics_contact.report.page.templates import bar, table, verdict
 from fenics_contact.results.check_messages import WORDS, compares, failure, title
 from fenics_contact.results.quantities import (
+    coupling_rows,
     idle_quantities,
     measured_by_parameter,
     without_value,
@@ -207,6 +208,16 @@ def preloads_table(result: Outcome) -> Markup:
             row += said[: 2 if has_bars else 1]
         rows.append([*row, written(preload.locked)])
     return table(rows, "Preloads") if result.preloads else Markup()
+
+
+def couplings_table(result: Outcome) -> Markup:
+    """Motion of every coupling, and the force and moment on it; nothing without any."""
+    bars = 1 if any(one.errors for one in result.couplings) else 0
+    units = 1 if result.units else 0
+    rows = [["", "value", *_BARS[:bars], *(["unit"] * units)]]
+    for row in coupling_rows(result):
+        rows.append([row.name, row.value, *([row.bar] * bars), *([row.unit] * units)])
+    return table(rows, "Couplings") if result.couplings else Markup()
 
 
 def model_table(model: Model) -> Markup:
