@@ -6,6 +6,7 @@ A module of cases ends with tuples of them; the one below lists them all.
 from fenics_contact.verification.case import Case, Finding, Outcome
 from fenics_contact.verification.memory_check import MEMORY_CASES
 from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
+from fenics_contact.verification.published.couplings import COUPLING_CASES
 from fenics_contact.verification.published.cycle import CYCLE_CASES, WEAR_CASES, WEAR_LIMIT_CASES
 from fenics_contact.verification.published.fretting import FRETTING_CASES
 from fenics_contact.verification.published.friction import FRICTION_CASES, INCLINE_CASES
@@ -52,6 +53,7 @@ CASES: tuple[Case, ...] = (
     *ORTHOTROPIC_CASES,
     *TORQUE_CASES,
     *SHAFT_TORQUE_CASES,
+    *COUPLING_CASES,
     *ROTOR_CASES,
     *WEAR_CASES,
     *WEAR_LIMIT_CASES,
