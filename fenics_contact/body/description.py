@@ -9,10 +9,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 from fenics_contact.scene.body import Material
+from fenics_contact.scene.loading.supports import SupportAxes
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.values import AxisName, Kinematics, Value
+from fenics_contact.scene.values import Kinematics, Value
 
 
 @dataclass(frozen=True)
@@ -35,14 +37,16 @@ class SpringGroup:
     Attributes:
         on: Its name.
         support: Number of the support.
-        stiffness: By component, such as ``(("x", 100.0),)``.
+        stiffness: By number of the direction, such as ``((0, 100.0),)``; inf where they hold.
         by_area: Whether this is by area (stress/length), not in all (force/length).
+        axes: Their directions; None for the axes of the mesh, ``normal`` for that of the boundary.
     """
 
     on: str
     support: int
-    stiffness: tuple[tuple[AxisName, float], ...]
+    stiffness: tuple[tuple[int, float], ...]
     by_area: bool
+    axes: SupportAxes | Literal["normal"] | None
 
 
 @dataclass(frozen=True)
@@ -147,8 +151,9 @@ class BodyDescription:
                 SpringGroup(
                     each.on,
                     number,
-                    tuple(each.sprung(scene.dimension).items()),
+                    each.stiffnesses(scene.dimension),
                     each.foundation_stiffness is not None,
+                    each.axes if each.normal is None else "normal",
                 )
                 for number, each in enumerate(scene.support)
                 if each.is_elastic

@@ -90,7 +90,7 @@ class ElasticBody:
         stress = self.displacement_stress(displacement)
         energy = strain_energy(self.strain(displacement), stress, spaces.weight, spaces.bulk)
         residual = ufl.derivative(energy, displacement)
-        self.springs = springs_of(description.springs, spaces)
+        self.springs = springs_of(description.springs, spaces, self.reference_modulus)
         stiffness = ufl.derivative(residual, displacement)
         u = ufl.TrialFunction(spaces.displacement_space)
         v = ufl.TestFunction(spaces.displacement_space)

@@ -129,11 +129,16 @@ def _conditions(scene: Scene) -> list[str]:
             about = "" if turn.axis is None else f" about {_given(turn.axis)}"
             through = "" if turn.at is None else f" through {_given(turn.at)}"
             held.append(f"turned by {turn.angle:g}{about}{through}")
-        key = support.springs[0] if support.is_elastic else ""
-        held += [
-            f"{key}.{axis} = {value:g}{unit(support, key)}"
-            for axis, value in support.sprung(scene.dimension).items()
-        ]
+        if support.normal is not None:
+            held.append(f"normal = {_given(support.normal)}{length}")
+        if not support.is_rigid:
+            key = support.key_of_springs
+            held += [
+                f"{key}.{axis} = {value:g}{unit(support, key)}"
+                for axis, value in support.sprung(scene.dimension).items()
+            ]
+        if support.axes is not None:
+            held.append(f"along {_given(support.axes)}")
         on = f" on '{support.on}'" if support.label != support.on else ""
         lines.append(f"Support '{support.label}'{on}: {', '.join(held)}")
     for load in scene.load:

@@ -150,11 +150,13 @@ class RigidMotions:
         return null_space(np.asarray(total(problem.comm, stacked.T @ stacked)))
 
     def _on_springs(self) -> list[Array]:
-        """Motions of owned nodes along components that springs hold, (rows, modes)."""
+        """Motions of owned nodes along directions that springs hold, (rows, modes)."""
         found, owned = [], self._problem.spaces.owned_nodes
         for springs in self._problem.elastic.springs:
             nodes = self._problem.spaces.nodes(springs.group)
-            fields = self._fields[nodes[nodes < owned]][:, springs.stiffness > 0]
+            own = nodes[nodes < owned]
+            ways = springs.along(own)[springs.stiffness > 0]
+            fields = np.einsum("dnc,ncm->dnm", ways, self._fields[own])
             found.append(fields.reshape(-1, self._fields.shape[-1]))
         return found
 

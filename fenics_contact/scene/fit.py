@@ -14,7 +14,7 @@ from fenics_contact.scene.loading.load_paths import require_cycles
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.settings import Steps
-from fenics_contact.scene.values import AXES, RAMP, profiles_of
+from fenics_contact.scene.values import RAMP, profiles_of
 
 _SAME_TIME = 1e-9
 
@@ -49,18 +49,18 @@ def _require_vectors(scene: CoreScene) -> None:
     """Refuse vectors and profiles that do not have the axes of the model."""
     dimension = scene.dimension
     for number, support in enumerate(scene.support):
-        for axis in support.displacement:
-            if AXES.index(axis) >= dimension:
-                raise ValueError(
-                    f"support[{number}].displacement.{axis}: a {scene.kinematics} model has "
-                    f"only the axes {', '.join(AXES[:dimension])}"
-                )
-        for axis in support.sprung(dimension):
-            if AXES.index(axis) >= dimension:
-                raise ValueError(
-                    f"support[{number}].{support.springs[0]}.{axis}: a {scene.kinematics} model "
-                    f"has only the axes {', '.join(AXES[:dimension])}"
-                )
+        names = support.components(dimension)
+        known = f"a {scene.kinematics} model has only the axes {', '.join(names)}"
+        if support.axes is not None:
+            support.axes.require_model(scene.kinematics, f"support[{number}].axes")
+            known = f"its axes have only the components {', '.join(names)}"
+        for key, given in (
+            ("displacement", support.displacement),
+            (support.springs[0], support.sprung(dimension)),
+        ):
+            for name in given:
+                if name not in names:
+                    raise ValueError(f"support[{number}].{key}.{name}: {known}")
         if support.rotation is not None:
             support.rotation.require_model(scene.kinematics, f"support[{number}].rotation")
     vectors: dict[str, Sequence[object]] = {
@@ -163,7 +163,7 @@ def _require_centres(scene: CoreScene) -> None:
 def _springs(scene: CoreScene) -> list[str]:
     """Keys of the stiffness of supports that are springs."""
     return [
-        f"support[{number}].{support.springs[0]}"
+        f"support[{number}].{support.key_of_springs}"
         for number, support in enumerate(scene.support)
         if support.is_elastic
     ]

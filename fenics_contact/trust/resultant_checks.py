@@ -128,8 +128,8 @@ def _held_axes(problem: Problem) -> Flags:
     for springs in problem.elastic.springs:
         nodes = spaces.nodes(springs.group)
         nodes = nodes[nodes < spaces.owned_nodes]
-        along = np.broadcast_to(springs.stiffness > 0, (len(nodes), size)).astype(float)
-        held |= np.asarray(spaces.parts.sums(along, nodes) > 0)
+        ways = springs.along(nodes)[springs.stiffness > 0]
+        held |= np.asarray(spaces.parts.sums(np.abs(ways).sum(axis=0), nodes) > 0)
     if spaces.kinematics == "axisymmetric":
         held[:, 0] = True  # radial forces have no resultant
     return held

@@ -23,6 +23,7 @@ from mpi4py import MPI
 from fenics_contact import Body, Contact, Discretisation, Material, Scene, SolverSettings, Support
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import environment_alone, on_root
+from fenics_contact.scene.loading.supports import ComponentName
 from fenics_contact.scene.values import AXES
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.case import Case, Finding
@@ -46,7 +47,7 @@ class Seat:
 
 def scene_of_seat(case: Seat, solver: Any) -> Scene:
     """The cube moved into its seat, and along it."""
-    clamped = dict.fromkeys(AXES, 0.0)
+    clamped: dict[ComponentName, float] = dict.fromkeys(AXES, 0.0)
     return Scene(
         kinematics="3D",
         material=(Material(1000.0, 0.3),),

@@ -30,6 +30,7 @@ from fenics_contact import (
 )
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import total
+from fenics_contact.scene.loading.supports import ComponentName
 from fenics_contact.scene.values import AXES
 from fenics_contact.scene.values import Path as LoadPath
 from fenics_contact.simulation.scene_run import Run
@@ -84,7 +85,7 @@ def scene_of(case: BlockCase, solver: Any) -> Scene:
 
 def _moved_top(case: BlockCase) -> Support:
     """The upper block, pressed down and pulled sideways by its top."""
-    motion = dict.fromkeys(AXES[: case.dimension], 0.0)
+    motion: dict[ComponentName, float] = dict.fromkeys(AXES[: case.dimension], 0.0)
     motion["x"] = SIDEWAYS
     motion[AXES[case.dimension - 1]] = -APPROACH
     return Support("top", motion)

@@ -14,7 +14,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import total
 from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.values import AXES, AxisName, Value
+from fenics_contact.scene.values import Value
 
 
 class SpringFoot:
@@ -39,23 +39,24 @@ class SpringFoot:
         self.label = support.label
         self.path: Callable[[float], float] = KeyedPath(support.path, f"{key}.path")
         self._whole = np.zeros((len(spaces.coordinates), spaces.components))
-        for axis, value in support.displacement.items():
-            self._whole += self.moved(axis, value)
+        for name, (way, value) in support.feet(spaces.components).items():
+            self._whole += self.moved(way, value, f"{key}.{name}")
         self._load = springs.pull(self._whole)
         self.displacement, self.load = self._whole, self._load
         self._besides = np.zeros_like(self._whole)
 
-    def moved(self, axis: AxisName, value: Value) -> Array:
-        """A displacement of the foot along one axis, (nodes, components); collective (length).
+    def moved(self, way: int, value: Value, key: str) -> Array:
+        """A displacement of the foot along one direction, (nodes, components); collective (length).
 
         Args:
-            axis: The axis.
+            way: Number of the direction.
             value: As a scene gives it.
+            key: Where, for messages.
         """
         nodes = self._spaces.nodes(self.springs.group)
-        key = f"support[{self.springs.support}].displacement.{axis}"
         found = np.zeros((len(self._spaces.coordinates), self._spaces.components))
-        found[nodes, AXES.index(axis)] = self._spaces.evaluate(value, nodes, key)
+        amounts = self._spaces.evaluate(value, nodes, key)
+        found[nodes] = amounts[:, None] * self.springs.along(nodes)[way]
         return found
 
     def set_time(self, time: float, besides: Array) -> None:
@@ -93,7 +94,12 @@ class SpringFoot:
         return self.springs.form
 
     def mean(self, displacement: Array) -> list[float | None]:
-        """Mean of a displacement over the surface, by component; None where no spring acts."""
+        """Mean of a displacement over the surface, by component; None where no spring acts.
+
+        All components where the springs have directions of their own.
+        """
+        if self.springs.directions is not None:
+            return list(self.springs.mean(displacement))
         own = slice(self._spaces.owned_nodes)
         pulled = self.springs.pull(displacement)[own].sum(axis=0)
         whole = self.springs.stiffness * self.springs.area

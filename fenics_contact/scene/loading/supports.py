@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field, replace
-from typing import Annotated
+from math import inf
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -90,6 +91,90 @@ class FaceRotation:
             raise ValueError(f"{key}.axis is missing: give the direction of the axis")
 
 
+Direction = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
+
+#: Components of a support by the axes that it has: of the model, of a frame, or around an axis.
+ComponentName = Literal["x", "y", "z", "radial", "around", "axial"]
+AROUND_AN_AXIS: tuple[ComponentName, ...] = ("radial", "around", "axial")
+
+
+@scene_class
+class SupportAxes:
+    """Directions of the components of a support, in place of the axes of the mesh.
+
+    >>> SupportAxes(cylindrical=(0, 0, 1)).names(3)
+    ('radial', 'around', 'axial')
+    """
+
+    cylindrical: Annotated[
+        Annotated[tuple[Number, ...], Field(min_length=3, max_length=3)] | None,
+        Field(
+            description="direction of an axis, of any length; the components are then `radial`, "
+            "`around` and `axial`; `[0, 0, 1]` in plane models"
+        ),
+    ] = None
+    at: Annotated[
+        Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS] | None,
+        Field(description="a point of that axis; by default the origin"),
+    ] = None
+    x: Annotated[
+        Direction | None,
+        Field(description="direction of the component `x` of a turned frame, of any length"),
+    ] = None
+    y: Annotated[
+        Direction | None,
+        Field(
+            description="in space, that of `y`; what of it is along `x` is taken off. In plane "
+            "models `y` is `x` turned by 90°, counterclockwise"
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        if (self.cylindrical is None) == (self.x is None):
+            raise ValueError("give either cylindrical or x")
+        if self.at is not None and self.cylindrical is None:
+            raise ValueError("at: is a point of the axis of cylindrical, which is missing")
+        for name in ("cylindrical", "x", "y"):
+            given = getattr(self, name)
+            if given is not None and not any(given):
+                raise ValueError(f"{name} = 0: give a direction")
+
+    def names(self, dimension: int) -> tuple[ComponentName, ...]:
+        """Return the names of the components.
+
+        Args:
+            dimension: Number of axes of the model.
+        """
+        return (AROUND_AN_AXIS if self.cylindrical is not None else AXES)[:dimension]
+
+    def require_model(self, kinematics: Kinematics, key: str) -> None:
+        """Refuse axes that a kinematic model does not have.
+
+        Args:
+            kinematics: Of the model.
+            key: Its own, such as ``support[0].axes``.
+
+        Raises:
+            ValueError: In words that begin with the key.
+        """
+        dimension = 3 if kinematics == "3D" else 2
+        if kinematics == "axisymmetric" and self.cylindrical is not None:
+            raise ValueError(f"{key}.cylindrical: in an axisymmetric model x is radial anyway")
+        if self.cylindrical is not None and dimension == 2 and any(self.cylindrical[:2]):
+            raise ValueError(f"{key}.cylindrical: [0, 0, 1] in a {kinematics} model")
+        for name in ("x", "y", "at"):
+            given = getattr(self, name)
+            if given is not None and len(given) != dimension:
+                raise ValueError(
+                    f"{key}.{name} has {len(given)} entries; a {kinematics} model needs {dimension}"
+                )
+        if self.x is not None and (self.y is None) == (dimension == 3):
+            what = "is missing" if dimension == 3 else "is not for plane models"
+            raise ValueError(f"{key}.y {what}")
+        if self.x is not None and self.y is not None and not np.cross(self.x, self.y).any():
+            raise ValueError(f"{key}.y: is along x; give another direction")
+
+
 _PER_COMPONENT = Field(min_length=1)
 
 
@@ -103,8 +188,10 @@ class Support:
 
     on: Annotated[Text, Field(description="physical group: a boundary, or the whole body")]
     displacement: Annotated[
-        Mapping[AxisName, Annotated[Value, LENGTH]],
-        Field(description="component → value; such as `{ x = 0 }`"),
+        Mapping[ComponentName, Annotated[Value, LENGTH]],
+        Field(
+            description="component → value; such as `{ x = 0 }`, or `{ radial = 0 }` with `axes`"
+        ),
     ] = field(default_factory=dict)
     path: Annotated[LoadPath, Field(description="of the displacement over the load steps")] = RAMP
     name: Annotated[
@@ -130,7 +217,7 @@ class Support:
     ] = None
     stiffness: Annotated[
         Annotated[Positive, SPRING]
-        | Annotated[Mapping[AxisName, Annotated[Positive, SPRING]], _PER_COMPONENT]
+        | Annotated[Mapping[ComponentName, Annotated[Positive, SPRING]], _PER_COMPONENT]
         | None,
         Field(
             description="total stiffness of springs to the ground, spread evenly over the "
@@ -140,18 +227,50 @@ class Support:
     ] = None
     foundation_stiffness: Annotated[
         Annotated[Positive, STIFFNESS]
-        | Annotated[Mapping[AxisName, Annotated[Positive, STIFFNESS]], _PER_COMPONENT]
+        | Annotated[Mapping[ComponentName, Annotated[Positive, STIFFNESS]], _PER_COMPONENT]
         | None,
         Field(description="in place of `stiffness`: that of the springs by area; likewise"),
+    ] = None
+
+    axes: Annotated[
+        SupportAxes | None,
+        Field(
+            description="directions of the components of `displacement` and of stiffnesses, in "
+            "place of those of the mesh. Without a stiffness springs hold the components, which "
+            "give way by 1e-5 of what the body does"
+        ),
+    ] = None
+    normal: Annotated[
+        Value | None,
+        LENGTH,
+        Field(
+            description="displacement across the boundary, > 0 outwards; along it, the boundary "
+            "slides freely. A plane or a cylinder; held as by `axes`"
+        ),
     ] = None
 
     def __post_init__(self) -> None:
         if self.name is not None:
             require_name(self.name)
-        if self.is_elastic:
+        if self.normal is not None:
+            self._require_normal()
+        elif self.stiffness is not None or self.foundation_stiffness is not None:
             self._require_springs()
         elif not self.displacement and self.rotation is None:
-            raise ValueError("give displacement, rotation, stiffness or foundation_stiffness")
+            raise ValueError(
+                "give displacement, rotation, normal, stiffness or foundation_stiffness"
+            )
+        if self.axes is not None and self.rotation is not None:
+            raise ValueError("rotation: not beside axes; give axes.cylindrical and around")
+
+    def _require_normal(self) -> None:
+        """Refuse keys that a boundary cannot have that slides on itself."""
+        others = ("displacement", "axes", "rotation", "stiffness", "foundation_stiffness")
+        for key in others:
+            if getattr(self, key):
+                raise ValueError(
+                    f"normal: not beside {key}; give another support for what else is held"
+                )
 
     def _require_springs(self) -> None:
         """Refuse keys that a support with springs cannot have."""
@@ -172,29 +291,76 @@ class Support:
 
     @property
     def is_elastic(self) -> bool:
-        """Whether it is springs, which give way."""
-        return self.stiffness is not None or self.foundation_stiffness is not None
+        """Whether it is springs, which give way, and holds no dof."""
+        stiff = self.stiffness is not None or self.foundation_stiffness is not None
+        return stiff or self.axes is not None or self.normal is not None
 
     @property
-    def springs(self) -> tuple[str, float | Mapping[AxisName, float]]:
-        """Key of the springs' stiffness, and what the scene gives for it."""
+    def is_rigid(self) -> bool:
+        """Whether its springs stand for what holds, and are as stiff as need be."""
+        return self.stiffness is None and self.foundation_stiffness is None
+
+    @property
+    def springs(self) -> tuple[str, float | Mapping[ComponentName, float]]:
+        """Key of the springs' stiffness, and what the scene gives for it; inf where they hold."""
         if self.stiffness is not None:
             return "stiffness", self.stiffness
-        assert self.foundation_stiffness is not None
-        return "foundation_stiffness", self.foundation_stiffness
+        if self.foundation_stiffness is not None:
+            return "foundation_stiffness", self.foundation_stiffness
+        return "displacement", dict.fromkeys(self.displacement, inf)
 
-    def sprung(self, dimension: int) -> dict[AxisName, float]:
-        """The springs' stiffness by component; empty without springs.
+    @property
+    def key_of_springs(self) -> str:
+        """The key that makes it springs."""
+        if self.is_rigid:
+            return "axes" if self.normal is None else "normal"
+        return self.springs[0]
+
+    def components(self, dimension: int) -> tuple[ComponentName, ...]:
+        """Names of the components that it may have: those of its axes.
 
         Args:
             dimension: Number of axes of the model.
         """
-        if not self.is_elastic:
+        return AXES[:dimension] if self.axes is None else self.axes.names(dimension)
+
+    def sprung(self, dimension: int) -> dict[ComponentName, float]:
+        """The springs' stiffness by component, inf where they hold; empty without springs.
+
+        Args:
+            dimension: Number of axes of the model.
+        """
+        if not self.is_elastic or self.normal is not None:
             return {}
         _, given = self.springs
         if isinstance(given, Mapping):
             return dict(given)
-        return dict.fromkeys(AXES[:dimension], given)
+        return dict.fromkeys(self.components(dimension), given)
+
+    def stiffnesses(self, dimension: int) -> tuple[tuple[int, float], ...]:
+        """The same by the number of each direction; of a normal, which is the only one.
+
+        Args:
+            dimension: Number of axes of the model.
+        """
+        if self.normal is not None:
+            return ((0, inf),)
+        names = self.components(dimension)
+        return tuple((names.index(name), k) for name, k in self.sprung(dimension).items())
+
+    def feet(self, dimension: int) -> dict[str, tuple[int, Value]]:
+        """Displacements of the springs' foot: key → number of the direction, and value.
+
+        Args:
+            dimension: Number of axes of the model.
+        """
+        if self.normal is not None:
+            return {"normal": (0, self.normal)}
+        names = self.components(dimension)
+        return {
+            f"displacement.{name}": (names.index(name), value)
+            for name, value in self.displacement.items()
+        }
 
     def held(self, dimension: int) -> tuple[AxisName, ...]:
         """The components that it holds; none where springs give way.
@@ -202,13 +368,16 @@ class Support:
         Args:
             dimension: Number of axes of the model.
         """
-        return () if self.is_elastic else tuple(self.displacement) or AXES[:dimension]
+        if self.is_elastic:
+            return ()
+        return tuple(axis for axis in AXES if axis in self.displacement) or AXES[:dimension]
 
     @property
     def moves(self) -> bool:
         """Whether it prescribes a displacement that is not 0."""
         turns = self.rotation is not None and self.rotation.angle != 0
-        return turns or any(value != 0 for value in self.displacement.values())
+        given = [*self.displacement.values(), 0 if self.normal is None else self.normal]
+        return turns or any(value != 0 for value in given)
 
     @property
     def is_turned(self) -> bool:
@@ -223,7 +392,8 @@ class Support:
         """
         rotation = self.rotation and replace(self.rotation, angle=factor * self.rotation.angle)
         moved = {axis: times(value, factor) for axis, value in self.displacement.items()}
-        return replace(self, displacement=moved, rotation=rotation)
+        normal = None if self.normal is None else times(self.normal, factor)
+        return replace(self, displacement=moved, rotation=rotation, normal=normal)
 
     @property
     def label(self) -> str:

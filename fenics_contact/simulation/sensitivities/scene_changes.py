@@ -164,7 +164,7 @@ class SceneChanges:
             raise _refused(key, "of a support's rotation, the angle has")
         if rest[0] != "displacement":
             raise _refused(key, "it is part of a path")
-        axis = next(axis for axis in support.displacement if axis == rest[1])
+        axis = next(axis for axis in AXES if axis == rest[1])
         unit = _unit(key, support.displacement[axis], rest[2:])
         found = problem.supports.slopes(number, axis, unit, self.time)
         return Change(prescribed=self._at_constrained(problem.supports.dofs, found))
@@ -173,13 +173,15 @@ class SceneChanges:
         """The change by the stiffness of springs, or by the displacement of their foot."""
         support, feet = self.problem.scene.support[number], self.problem.feet
         place = next(n for n, foot in enumerate(feet) if foot.springs.support == number)
-        foot = feet[place]
-        if rest[0] == "displacement":
-            axis = next(axis for axis in support.displacement if axis == rest[1])
-            unit = _unit(key, support.displacement[axis], rest[2:])
-            load = foot.path(self.time) * foot.springs.pull(foot.moved(axis, unit))
+        foot, size = feet[place], self.problem.spaces.components
+        key_of_foot = ".".join(rest[:2]) if rest[0] == "displacement" else rest[0]
+        if key_of_foot in (known := support.feet(size)):
+            way, value = known[key_of_foot]
+            unit = _unit(key, value, rest[len(key_of_foot.split(".")) :])
+            load = foot.path(self.time) * foot.springs.pull(foot.moved(way, unit, key))
             return Change(springs={place: lambda moved: load})
-        size = self.problem.spaces.components
+        if foot.springs.directions is not None:
+            raise _refused(key, "of a support with axes of its own, the displacement has")
         share = np.zeros(size)
         for axis, value in support.sprung(size).items():
             if rest[1:] in ([], [axis]):

@@ -13,7 +13,7 @@ from fenics_contact.results.result import Result
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.friction_laws import MicroSlipFriction, SlipDependentFriction
-from fenics_contact.scene.loading.supports import Support
+from fenics_contact.scene.loading.supports import ComponentName, Support
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.scene.settings import Steps
 from fenics_contact.scene.values import AXES, CONSTANT, Path, Profile
@@ -36,7 +36,7 @@ def stiff_block(
         scene: Other keys of the scene.
     """
     axes = AXES[: len(shift) + 1]
-    moved = dict(zip(axes, (*shift, -depth), strict=True))
+    moved: dict[ComponentName, float] = dict(zip(axes, (*shift, -depth), strict=True))
     return Scene(
         kinematics="3D" if len(shift) == 2 else "plane strain",
         material=(Material(_MODULUS, 0.0),),
