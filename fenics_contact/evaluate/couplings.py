@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fenics_contact.problem.couplings import FaceMotion
+from fenics_contact.problem.loads.couplings import FaceMotion
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarState
 from fenics_contact.results.records.contacts import CouplingRecord, SupportRecord

@@ -11,8 +11,8 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.problem.couplings import FaceMotion
 from fenics_contact.problem.existence.rigid_slip import motions_along, smooth_closing
+from fenics_contact.problem.loads.couplings import FaceMotion
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
 

@@ -14,7 +14,7 @@ import ufl
 from ufl.core.expr import Expr
 
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
-from fenics_contact.problem.couplings import face_motions
+from fenics_contact.problem.loads.couplings import face_motions
 from fenics_contact.problem.scalar_unknown import (
     BodyScalar,
     ContactScalar,

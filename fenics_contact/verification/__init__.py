@@ -6,7 +6,6 @@ A module of cases ends with tuples of them; the one below lists them all.
 from fenics_contact.verification.case import Case, Finding, Outcome
 from fenics_contact.verification.memory_check import MEMORY_CASES
 from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
-from fenics_contact.verification.published.couplings import COUPLING_CASES
 from fenics_contact.verification.published.cycle import CYCLE_CASES, WEAR_CASES, WEAR_LIMIT_CASES
 from fenics_contact.verification.published.fretting import FRETTING_CASES
 from fenics_contact.verification.published.friction import FRICTION_CASES, INCLINE_CASES
@@ -21,7 +20,11 @@ from fenics_contact.verification.published.hertz_pair import (
 )
 from fenics_contact.verification.published.indenters import LINE_CASES, POINT_CASES, PUNCH_CASES
 from fenics_contact.verification.published.pair import PAIR_CASES, PAIR_WAYS_CASES
-from fenics_contact.verification.published.rotors import ROTOR_CASES, SHAFT_TORQUE_CASES
+from fenics_contact.verification.published.rotors import (
+    COUPLING_CASES,
+    ROTOR_CASES,
+    SHAFT_TORQUE_CASES,
+)
 from fenics_contact.verification.published.shear import SHEAR_CASES, SLAB_CASES
 from fenics_contact.verification.published.sliding import MOTION_CASES, SQUEAL_CASES
 from fenics_contact.verification.published.torque import (

@@ -19,8 +19,8 @@ from fenics_contact.contact.against_obstacle import ObstacleKinematics
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.point_gradients import GivenChange
 from fenics_contact.contact.rigid_obstacle import DIRECTIONS
-from fenics_contact.problem.couplings import FaceMotion
 from fenics_contact.problem.loads import load_of_components
+from fenics_contact.problem.loads.couplings import FaceMotion
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_kinds import Resultant, Shortening
 from fenics_contact.scene.loading.load_kinds import slope_of
