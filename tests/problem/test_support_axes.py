@@ -251,8 +251,8 @@ def test_any_number_of_ranks_has_the_same_answer():
 @pytest.mark.parametrize(
     ("make", "name"),
     [
-        (lambda: SupportAxes(), "axes_none"),
-        (lambda: SupportAxes(x=(1, 0), cylindrical=(0, 0, 1)), "axes_two"),
+        (lambda: SupportAxes(), "axes_one_kind"),
+        (lambda: SupportAxes(x=(1, 0), cylindrical=(0, 0, 1)), "axes_one_kind"),
         (lambda: SupportAxes(x=(0, 0)), "axes_no_direction"),
         (lambda: SupportAxes(x=(1, 0), at=(0, 0)), "axes_at_without_axis"),
         (lambda: Support("x0", {"x": 0}, normal=0.0), "normal_beside_displacement"),
