@@ -55,7 +55,7 @@ if TYPE_CHECKING:
         PressureFormula,
     )
     from fenics_contact.scene.loading.conditions import Load, Point, Preload
-    from fenics_contact.scene.loading.couplings import Coupling
+    from fenics_contact.scene.loading.couplings import Coupling, Spring
     from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.loading.inertia_kinds import Rotation
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
@@ -132,6 +132,7 @@ __all__ = [
     "SlipDependentFriction",
     "SolverSettings",
     "SpeedDependentFriction",
+    "Spring",
     "Stability",
     "Steps",
     "StrainLifeLine",
@@ -171,7 +172,7 @@ _MODULES = {
     "results.result": ("Check", "Result"),
     "scene.scene": ("Discretisation", "Scene"),
     "scene.loading.conditions": ("Load", "Point", "Preload"),
-    "scene.loading.couplings": ("Coupling",),
+    "scene.loading.couplings": ("Coupling", "Spring"),
     "scene.loading.supports": ("FaceRotation", "Support", "SupportAxes"),
     "scene.loading.inertia_kinds": ("Rotation",),
     "scene.settings": ("Accuracy", "SolverSettings", "Steps"),

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from fenics_contact.scene.body import Material
+from fenics_contact.scene.loading.couplings import GROUND, Spring, Way
 from fenics_contact.scene.loading.supports import SupportAxes
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Kinematics, Value
@@ -65,6 +66,19 @@ class CoupledGroup:
 
 
 @dataclass(frozen=True)
+class Joint:
+    """Springs between two coupled faces, or between one and the ground.
+
+    Attributes:
+        faces: Their numbers among all couplings; one of springs to the ground.
+        stiffness: By way in which faces move (force/length, or force·length).
+    """
+
+    faces: tuple[int, ...]
+    stiffness: tuple[tuple[Way, float], ...]
+
+
+@dataclass(frozen=True)
 class PreloadedGroup:
     """A part of the body whose unstressed length is changed.
 
@@ -113,6 +127,7 @@ class BodyDescription:
         preloads: Likewise.
         springs: Of supports that give way, likewise.
         couplings: Boundaries that move as rigid bodies, likewise.
+        joints: Springs between these, likewise.
     """
 
     kinematics: Kinematics
@@ -127,6 +142,7 @@ class BodyDescription:
     preloads: tuple[PreloadedGroup, ...] = ()
     springs: tuple[SpringGroup, ...] = ()
     couplings: tuple[CoupledGroup, ...] = ()
+    joints: tuple[Joint, ...] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
@@ -159,6 +175,7 @@ class BodyDescription:
                 if each.is_elastic
             ),
             couplings=tuple(CoupledGroup(each.on, each.at, each.label) for each in scene.coupling),
+            joints=tuple(_joint(each, scene) for each in scene.spring),
         )
 
     def differences(self, other: BodyDescription) -> Sequence[str]:
@@ -169,3 +186,9 @@ class BodyDescription:
 
 def _elastic(material: Material) -> Material:
     return material if material.density is None else dataclasses.replace(material, density=None)
+
+
+def _joint(spring: Spring, scene: Scene) -> Joint:
+    labels = [coupling.label for coupling in scene.coupling]
+    faces = tuple(labels.index(name) for name in spring.between if name != GROUND)
+    return Joint(faces, tuple(spring.by_way(scene.kinematics).items()))

@@ -64,7 +64,9 @@ class ElasticBody:
         faces: Boundaries that move as rigid bodies.
         scalar_forces: What each scalar of the energy does to the body: such a change, then the ways
             in which these faces move.
-        scalar_stiffness: Second derivatives of the energy in these, (scalars, scalars).
+        scalar_stiffness: Second derivatives of the energy in these, (scalars, scalars), with that
+            of springs between faces.
+        joint_stiffness: The part of these springs.
         springs: Those of elastic supports.
         stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed, and springs.
         mixed: The forms of a mean stress, or None.
@@ -104,8 +106,10 @@ class ElasticBody:
             for number, each in enumerate(description.couplings)
         ]
         self.scalar_stiffness = np.diag([one.stiffness for one in self.scalar_forces])
+        self.joint_stiffness = np.zeros_like(self.scalar_stiffness)
         if self.faces:
             self._couple_faces(stiffness)
+            self._join_faces(description)
 
     def _couple_faces(self, stiffness: ufl.Form) -> None:
         """Add the ways in which faces move to the scalars of the energy; collective."""
@@ -128,6 +132,20 @@ class ElasticBody:
         for number, motion in enumerate(motions):
             shares = zip(self.scalar_forces[:first], works[:first, number], strict=True)
             motion.others.extend((one.present, float(share)) for one, share in shares)
+
+    def _join_faces(self, description: BodyDescription) -> None:
+        """Add the springs between faces to what scalars do to each other."""
+        ways = [(face, way) for face in self.faces for way in face.ways]
+        first = len(self.preloaded)
+        self.joint_stiffness = np.zeros_like(self.scalar_stiffness)
+        for joint in description.joints:
+            for way, stiffness in joint.stiffness:
+                row = np.zeros(len(self.scalar_stiffness))
+                for number, sign in zip(joint.faces, (1.0, -1.0), strict=False):
+                    face = self.faces[number]
+                    row[first + ways.index((face, way))] = sign / face.amount(way, 1.0)
+                self.joint_stiffness += stiffness * np.outer(row, row)
+        self.scalar_stiffness = self.scalar_stiffness + self.joint_stiffness
 
     def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:
         """The preloaded parts, which share no cells; collective."""

@@ -166,6 +166,15 @@ def _conditions(scene: Scene) -> list[str]:
         ]
         on = f" on '{coupling.on}'" if coupling.label != coupling.on else ""
         lines.append(f"Coupling '{coupling.label}'{on}: {', '.join(said) or 'free to move'}")
+    for spring in scene.spring:
+        one, other = spring.between
+        said = [
+            f"{key} {_given(value) if not isinstance(value, Mapping) else dict(value)}"
+            f"{unit(spring, key)}"
+            for key in ("stiffness", "rotational_stiffness")
+            if (value := getattr(spring, key)) is not None
+        ]
+        lines.append(f"Spring between '{one}' and '{other}': {', '.join(said)}")
     for part in registry.parts_of_scene(scene, "words"):
         lines += part.WORDS.plan(scene, names)
     return lines

@@ -91,8 +91,19 @@ class BulkForces(InternalForces):
 
     @property
     def spring_energy(self) -> float:
-        """In the springs of elastic supports."""
-        return sum(foot.energy(self.displacement) for foot in self.problem.feet)
+        """In the springs of elastic supports, and between coupled faces."""
+        at_feet = sum(foot.energy(self.displacement) for foot in self.problem.feet)
+        return at_feet + 0.5 * float(self._scalars @ self._pull_of_joints)
+
+    @property
+    def _scalars(self) -> Array:
+        """Values of the body's scalars (length)."""
+        return np.array([state.value for state in self.solution.scalars], dtype=np.float64)
+
+    @property
+    def _pull_of_joints(self) -> Array:
+        """Forces of springs between coupled faces on these (force)."""
+        return self.problem.pull_of_joints(self.solution.scalars)
 
     @cached_property
     def of_supports(self) -> Array:
@@ -136,8 +147,12 @@ class BulkForces(InternalForces):
 
     @property
     def given_work(self) -> float:
-        """Work of loads and reactions on the displacement; of springs on that of their foot."""
+        """Work of loads and reactions on the displacement; of springs on that of their foot.
+
+        What springs between coupled faces take of that of couplings is given, too.
+        """
         given = self._summed(self.displacement * (self.load + self._rigid_reactions))
+        given += float(self._scalars @ self._pull_of_joints)
         at_feet = zip(self._feet, self.of_springs, strict=True)
         return given + sum(self._summed(moved * force) for moved, force in at_feet)
 
@@ -191,5 +206,9 @@ class BulkForces(InternalForces):
             pulls = [one + other for one, other in zip(before.of_springs, pulls, strict=True)]
             feet = [other - one for one, other in zip(before._feet, feet, strict=True)]
         works = [self._summed(pull * foot) for pull, foot in zip(pulls, feet, strict=True)]
+        pull, changed = self._pull_of_joints, self._scalars
+        if before is not None:
+            pull, changed = pull + before._pull_of_joints, changed - before._scalars
+        works.append(float(pull @ changed))
         held = self._summed(reactions * moved) + sum(works)
         return 0.5 * self._summed(loads * moved), 0.5 * held

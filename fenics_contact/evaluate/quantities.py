@@ -103,7 +103,7 @@ def global_quantities(forces: InternalForces, contacts: list[dict[str, Any]]) ->
         REACTION: forces.of_all_supports.tolist(),
         **made,
         STRAIN_ENERGY: forces.strain_energy,
-        **({SPRING_ENERGY: forces.spring_energy} if problem.feet else {}),
+        **({SPRING_ENERGY: forces.spring_energy} if problem.is_sprung else {}),
         EXTERNAL_WORK: float(work),
         **forces.at_points(),
     }

@@ -7,7 +7,7 @@ compiled once.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 
 import numpy as np
@@ -271,6 +271,23 @@ class Problem:
         """Dofs of faces that move as rigid bodies (local indices, owned and ghost)."""
         held = self.supports.held.by_couplings
         return np.concatenate([np.zeros(0, dtype=np.int64), *(one.dofs for one in held)])
+
+    @property
+    def is_sprung(self) -> bool:
+        """Whether there are springs besides the body."""
+        return bool(self.feet or self.scene.spring)
+
+    def pull_of_joints(self, scalars: Sequence[ScalarState]) -> Array:
+        """Forces by which springs between coupled faces pull at the body's scalars back (force).
+
+        Args:
+            scalars: States of these in an answer.
+
+        Returns:
+            (body_scalars,).
+        """
+        values = np.array([state.value for state in scalars], dtype=np.float64)
+        return np.asarray(self.elastic.joint_stiffness @ values)
 
     def moved_by_scalars(self, values: Array) -> Array | None:
         """Displacement of nodes that scalars of the body move, (nodes, components) (length).

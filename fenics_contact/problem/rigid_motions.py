@@ -311,7 +311,8 @@ class CoupledMotions:
 
     Attributes:
         given: Whether each way is given, so that it holds the body.
-        held: These ways in each motion, on the first rank, (given, motions).
+        held: These ways in each motion, and what springs between faces resist, on the first rank,
+            (rows, motions).
         work: Work of the forces and moments of couplings on each motion, (motions,)
             (force × length).
 
@@ -334,7 +335,10 @@ class CoupledMotions:
         ways[np.abs(ways) <= 1e-12 * np.abs(ways).max()] = 0.0
         self.work = np.array([one.own_force for one in motions]) @ ways
         if comm.rank == 0:
-            self.held = ways[np.array(self.given, dtype=bool)]
+            first = len(problem.body_scalars) - len(motions)
+            springs = problem.elastic.joint_stiffness[first:, first:]
+            sprung = springs @ ways / (np.abs(springs).max() or 1.0)
+            self.held = np.concatenate([ways[np.array(self.given, dtype=bool)], sprung])
 
 
 def _of_parts(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:

@@ -7,7 +7,7 @@ from typing import Literal
 from fenics_contact.scene.body import Material, MeshSource
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Point, Preload
-from fenics_contact.scene.loading.couplings import Coupling
+from fenics_contact.scene.loading.couplings import Coupling, Spring
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import HalfSpace
@@ -43,6 +43,7 @@ class CoreScene(HasUnits):
     load: tuple[Load, ...]
     preload: tuple[Preload, ...]
     coupling: tuple[Coupling, ...]
+    spring: tuple[Spring, ...]
     contact: tuple[Contact, ...]
     point: tuple[Point, ...]
     symmetry: tuple[str, ...]

@@ -130,6 +130,9 @@ def _require_couplings(scene: CoreScene) -> None:
                     f"{key}.{name} has {len(given)} entries; a {scene.kinematics} model needs "
                     f"{scene.dimension}"
                 )
+    labels = [coupling.label for coupling in scene.coupling]
+    for number, spring in enumerate(scene.spring):
+        spring.require_model(scene.kinematics, labels, f"spring[{number}]")
     names = [support.label for support in scene.support]
     _require_distinct("couplings", [one.label for one in scene.coupling])
     if same := {one.label for one in scene.coupling} & set(names):

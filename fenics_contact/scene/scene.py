@@ -24,7 +24,7 @@ from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.fit import require_fit
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.loading.conditions import Load, Point, Preload
-from fenics_contact.scene.loading.couplings import Coupling
+from fenics_contact.scene.loading.couplings import Coupling, Spring
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import load_steps_of
 from fenics_contact.scene.loading.motion import Motion
@@ -133,6 +133,10 @@ class Scene(CoreScene):
     coupling: Annotated[
         tuple[Coupling, ...],
         Field(description=f"boundaries that move as rigid bodies, up to {_MOST}", max_length=_MOST),
+    ] = ()
+    spring: Annotated[
+        tuple[Spring, ...],
+        Field(description=f"springs between couplings, up to {_MOST}", max_length=_MOST),
     ] = ()
     contact: Annotated[
         tuple[Contact, ...],

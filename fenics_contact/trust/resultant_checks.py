@@ -230,8 +230,13 @@ def _given_forces(forces: InternalForces, chosen: Sequence[bool]) -> Check | Non
         chosen: Which of the body's scalars; those that are locked do not count.
     """
     problem, solution = forces.problem, forces.solution
-    rows = zip(problem.body_scalars, forces.scalar_states(), chosen, strict=True)
-    compared = [(s.force, state.force) for s, state, is_one in rows if is_one and not s.is_locked]
+    states = forces.scalar_states()
+    rows = zip(problem.body_scalars, states, problem.pull_of_joints(states), chosen, strict=True)
+    compared = [
+        (scalar.force, state.force + pull)
+        for scalar, state, pull, is_one in rows
+        if is_one and not scalar.is_locked
+    ]
     if not compared:
         return None
     asked, found = np.array(compared).T

@@ -1,15 +1,15 @@
-"""Couplings of a scene: a face that moves as a rigid body, loaded or moved at a point."""
+"""Couplings of a scene: a face that moves as a rigid body, loaded or moved at a point; springs."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from fenics_contact.scene.quantity_names import require_name
-from fenics_contact.scene.units.dimensions import FORCE, LENGTH, MOMENT, PLACE
+from fenics_contact.scene.units.dimensions import FORCE, LENGTH, MOMENT, PLACE, SPRING
 from fenics_contact.scene.values import (
     AXES,
     PER_AXIS,
@@ -18,6 +18,7 @@ from fenics_contact.scene.values import (
     Kinematics,
     LoadPath,
     Number,
+    Positive,
     Text,
     scene_class,
 )
@@ -147,6 +148,96 @@ class Coupling:
                 raise ValueError(
                     f"{key}: {'.'.join(way)} is no motion of a rigid face in a {kinematics} model; "
                     f"those are {named}"
+                )
+
+
+#: What a spring may be joined to besides couplings.
+GROUND = "ground"
+
+
+@scene_class
+class Spring:
+    """Springs between the points of two couplings, or of one and the ground.
+
+    They act along each axis by the difference of displacements, and about it by that of rotations.
+
+    >>> Spring(between=("lever", "ground"), rotational_stiffness=1e3).by_way("plane strain")
+    {('rotation', 'z'): 1000.0}
+    """
+
+    between: Annotated[
+        tuple[Text, Text],
+        Field(description='names of two couplings, or of one and `"ground"`'),
+    ]
+    stiffness: Annotated[
+        Annotated[Positive, SPRING]
+        | Annotated[Mapping[AxisName, Annotated[Positive, SPRING]], Field(min_length=1)]
+        | None,
+        Field(
+            description="force over displacement: a number along every axis, or component → number"
+        ),
+    ] = None
+    rotational_stiffness: Annotated[
+        Annotated[Positive, MOMENT]
+        | Annotated[Mapping[AxisName, Annotated[Positive, MOMENT]], Field(min_length=1)]
+        | None,
+        Field(description="moment over rotation (radian); likewise, in plane models about `z`"),
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.stiffness is None and self.rotational_stiffness is None:
+            raise ValueError("give stiffness or rotational_stiffness")
+        one, other = self.between
+        if one in (other, GROUND):
+            raise ValueError(
+                f"between = ['{one}', '{other}']: two couplings, or a coupling and then 'ground'"
+            )
+
+    def by_way(self, kinematics: Kinematics) -> dict[Way, float]:
+        """Return the stiffness of each way in which faces move that has one.
+
+        Args:
+            kinematics: Of the model.
+        """
+        given = {"displacement": self.stiffness, "rotation": self.rotational_stiffness}
+        found: dict[Way, float] = {}
+        for way in ways_of(kinematics):
+            kind, axis = way
+            value = given[kind]
+            if isinstance(value, Mapping):
+                value = value.get(axis)
+            if value is not None:
+                found[way] = value
+        return found
+
+    def require_model(self, kinematics: Kinematics, couplings: Sequence[str], key: str) -> None:
+        """Refuse what a kinematic model does not have, and couplings that are not there.
+
+        Args:
+            kinematics: Of the model.
+            couplings: Names of all couplings.
+            key: Its own, such as ``spring[0]``.
+
+        Raises:
+            ValueError: In words that begin with the key.
+        """
+        known = ways_of(kinematics)
+        for name, kind in (("stiffness", "displacement"), ("rotational_stiffness", "rotation")):
+            value = getattr(self, name)
+            axes = [axis for each, axis in known if each == kind]
+            if value is not None and not axes:
+                raise ValueError(f"{key}.{name}: in a {kinematics} model no face turns")
+            for axis in value if isinstance(value, Mapping) else ():
+                if axis not in axes:
+                    raise ValueError(
+                        f"{key}.{name}.{axis}: in a {kinematics} model a face has only "
+                        f"{', '.join(axes)}"
+                    )
+        for name in self.between:
+            if name not in (*couplings, GROUND):
+                raise ValueError(
+                    f"{key}.between: '{name}' is no coupling; there are "
+                    + (", ".join(f"'{one}'" for one in couplings) or "none")
                 )
 
 

@@ -287,10 +287,9 @@ def _external_work(problem: Problem, solution: Solution, _name: QuantityName) ->
             "of: 'external_work' has derivatives where there is one load step; else it is "
             "summed up along them"
         )
-    if problem.feet:
+    if problem.is_sprung:
         raise InputError(
-            "of: 'external_work' has no derivatives beside a support's stiffness; the "
-            "strain_energy has"
+            "of: 'external_work' has no derivatives beside springs; the strain_energy has"
         )
     found = _energies(problem, solution, 2.0)
     for number, contact in enumerate(problem.contacts):

@@ -122,8 +122,8 @@ class SceneChanges:
 
     def _of_thickness(self, thickness: float) -> Change:
         """Stresses are those of forces that are so many times smaller, where forces are given."""
-        if self.problem.feet:
-            raise _refused("thickness", "not beside a support's stiffness, which it changes not")
+        if self.problem.is_sprung:
+            raise _refused("thickness", "not beside springs, whose stiffness it changes not")
         found = Change(of_resultants=1 / thickness)
         for number, preload in enumerate(self._shortenings):
             own = self._of_preload(f"preload.{number}.force", number, ["force"])

@@ -151,7 +151,7 @@ def mesh_errors(
     for name, error in local.at_points().items():
         whole[name] += error
     of_errors = _energies(recorded[-1][1], 0.5 * local.total**2)
-    if problem.feet:  # their energy and the body's may change against each other
+    if problem.is_sprung:  # their energy and the body's may change against each other
         of_errors[STRAIN_ENERGY] *= 2
     for key, energy in of_errors.items():
         if key in whole:
