@@ -2,7 +2,7 @@
 
 Its tangent is not symmetric, as Coulomb friction has no energy. It starts from the adhesive start,
 all points stuck, with full steps; where friction alone holds bodies, from near the answer, and
-steps under which the imbalance would grow are cut.
+neighbours close by turns.
 """
 
 from __future__ import annotations
