@@ -139,7 +139,10 @@ def monolithic(newton: Newton, start: Array, of_growth: bool = False) -> None:
         one.friction.regularisation.is_known or not p
         for one, p in zip(contacts, pressing, strict=True)
     ]
-    if all(known) and any(contact.friction.regularisation.is_known for contact in contacts):
+    is_held = is_held_by_friction(newton.problem)
+    is_near = newton.begin.continues or not is_held  # else nothing tells which points touch
+    has_scale = any(contact.friction.regularisation.is_known for contact in contacts)
+    if all(known) and has_scale and is_near:
         try:
             solve_coupled(newton, of_scale=True, of_growth=of_growth)
             return
@@ -150,7 +153,7 @@ def monolithic(newton: Newton, start: Array, of_growth: bool = False) -> None:
                 raise
             logger.info("%s; next: with the regularisation that this step needs", error)
             newton.restore(start)
-    if is_held_by_friction(newton.problem):
+    if is_held:
         try:
             near_friction(newton)
             solve_coupled(newton, of_growth=of_growth)
