@@ -162,7 +162,10 @@ class HeldDofs:
         extent = (highest - lowest)[: spaces.components]
         axis = int(np.argmin(extent))
         if extent[axis] > _FLAT * extent.max():
-            raise InputError(f"{key} = '{on}': must lie in a plane across an axis of the mesh")
+            raise InputError(
+                f"{key} = '{on}': must lie in a plane across an axis of the mesh; of another plane "
+                "give a [[support]] with normal = 0"
+            )
         at = float(lowest[axis])
         return SymmetryPlane(on, axis, 0.0 if abs(at) <= _FLAT * extent.max() else at)
 

@@ -33,6 +33,7 @@ _MODULI = ("youngs_modulus", "poissons_ratio")
 # Why numbers have none that answers do follow.
 _WHY = {
     "mesh": "cells would be others, from which answers jump more than they change; compare runs",
+    "spring": "springs between couplings are part of the body",
     "thickness": "where it varies, stresses follow it; one that is a number has",
 }
 
