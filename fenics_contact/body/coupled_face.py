@@ -79,7 +79,7 @@ class CoupledFace:
 
 @dataclass(frozen=True, eq=False)
 class MotionForces(ScalarForces):
-    """What a unit of a way of a coupled face does to the body.
+    """Forces on the body by a unit motion of a coupled face, along one axis or about it.
 
     Attributes:
         moved: Displacement of the face, 0 elsewhere, (nodes, components).

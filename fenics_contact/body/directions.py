@@ -43,7 +43,7 @@ class Directions(ABC):
 
 
 class Frame(Directions):
-    """The same unit vectors everywhere.
+    """Unit vectors of a frame that is turned alike everywhere.
 
     Args:
         rows: They, (directions, components).

@@ -78,7 +78,7 @@ class FaceMotion(BodyScalar):
 
     @property
     def own_force(self) -> float:
-        """The same of the coupling alone, 0 where the motion is given (force)."""
+        """Force of the coupling on the scalar, without loads on its face; 0 where q is given (force)."""
         return 0.0 if self._is_given else self._work * self._factor
 
     def force_factor(self, time: float) -> float:

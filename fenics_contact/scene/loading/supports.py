@@ -297,7 +297,7 @@ class Support:
 
     @property
     def is_rigid(self) -> bool:
-        """Whether its springs stand for what holds, and are as stiff as need be."""
+        """Whether the scene gives no stiffness of its springs, which stand for a support that holds."""
         return self.stiffness is None and self.foundation_stiffness is None
 
     @property
@@ -338,7 +338,9 @@ class Support:
         return dict.fromkeys(self.components(dimension), given)
 
     def stiffnesses(self, dimension: int) -> tuple[tuple[int, float], ...]:
-        """The same by the number of each direction; of a normal, which is the only one.
+        """Stiffness of the springs by the number of each direction; inf where they hold.
+
+        The normal of a boundary is the only direction of its support.
 
         Args:
             dimension: Number of axes of the model.

@@ -218,7 +218,7 @@ class SceneChanges:
 
     @property
     def _motions(self) -> list[FaceMotion]:
-        """Those of the faces of all couplings."""
+        """Scalars of the motions of all coupled faces."""
         return [one for one in self.problem.body_scalars if isinstance(one, FaceMotion)]
 
     @property
