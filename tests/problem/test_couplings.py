@@ -331,6 +331,10 @@ def test_a_beam_on_a_hinge_alone_turns_over():
         ({"support": (Support("x0", {"x": 0}),)}, "coupling_at_a_support"),
         ({"coupling": (Coupling("y1"), Coupling("x1"))}, "couplings_at_each_other"),
         ({"coupling": (Coupling("body"),)}, "coupling_of_a_body"),
+        (
+            {"coupling": (Coupling("y1", displacement={"x": 0.1}),), "symmetry": ("x0",)},
+            "coupling_across_symmetry",
+        ),
     ],
 )
 def test_faces_that_something_else_holds_are_refused(changes, name):

@@ -9,6 +9,7 @@ from ufl.core.expr import Expr
 
 from fenics_contact.body.coupled_face import CoupledFace, MotionForces
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.scalar_unknown import (
     BodyScalar,
@@ -78,7 +79,7 @@ class FaceMotion(BodyScalar):
 
     @property
     def own_force(self) -> float:
-        """Force of the coupling on the scalar, without loads on its face; 0 where q is given (force)."""
+        """Force of the coupling on the scalar without loads on its face; 0 where q is given."""
         return 0.0 if self._is_given else self._work * self._factor
 
     def force_factor(self, time: float) -> float:
@@ -139,7 +140,11 @@ class FaceMotion(BodyScalar):
 
 
 def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
-    """Return a scalar for each way of each coupling of the scene, in its order; collective."""
+    """Return a scalar for each way of each coupling of the scene, in its order; collective.
+
+    Raises:
+        InputError: A motion is given that symmetry does not allow.
+    """
     elastic, found = problem.elastic, list[ScalarUnknown]()
     motions = iter(elastic.scalar_forces[len(elastic.preloaded) :])
     held = problem.supports.held
@@ -149,6 +154,12 @@ def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
         for way in face.ways:
             kind, axis = way
             across = axis in mirrored if kind == "displacement" else bool(mirrored - {axis})
+            if across and coupling.given.get(way, 0.0) != 0:
+                raise InputError(
+                    f"coupling[{number}].{kind}.{axis} = {coupling.given[way]:g}: the boundary "
+                    "reaches a plane of symmetry, and is one with its mirror image, so that it "
+                    "cannot move so; leave it out"
+                )
             forces = cast(MotionForces, next(motions))
             found.append(FaceMotion(coupling, f"coupling[{number}]", face, way, forces, across))
     return found

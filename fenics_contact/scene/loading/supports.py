@@ -297,7 +297,7 @@ class Support:
 
     @property
     def is_rigid(self) -> bool:
-        """Whether the scene gives no stiffness of its springs, which stand for a support that holds."""
+        """Whether its springs, if any, stand for a support that holds, and have no stiffness."""
         return self.stiffness is None and self.foundation_stiffness is None
 
     @property
