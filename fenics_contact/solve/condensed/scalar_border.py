@@ -88,6 +88,12 @@ class ScalarBorder:
     M is the tangent of the condensed bulk and the contacts with all these scalars held. So it can
     be solved wherever the whole can.
 
+    Attributes:
+        columns: See the arguments.
+        corner: Likewise.
+        units: Likewise.
+        held: Which scalars are held, (scalars,).
+
     Args:
         columns: C, (unknowns of M, scalars).
         corner: D.
@@ -95,9 +101,9 @@ class ScalarBorder:
     """
 
     def __init__(self, columns: Array, corner: Array, units: Array) -> None:
-        self._columns, self._corner, self._units = columns, corner, units
+        self.columns, self.corner, self.units = columns, corner, units
         self._solved: Array | None = None
-        self._held = np.zeros(len(corner), dtype=bool)
+        self.held = np.zeros(len(corner), dtype=bool)
 
     @classmethod
     def empty(cls, size: int) -> ScalarBorder:
@@ -107,7 +113,7 @@ class ScalarBorder:
     @property
     def count(self) -> int:
         """Number of scalars."""
-        return len(self._corner)
+        return len(self.corner)
 
     def forget(self) -> None:
         """M has changed."""
@@ -115,7 +121,7 @@ class ScalarBorder:
 
     def hold(self, held: Flags) -> None:
         """Say which scalars are held, (scalars,)."""
-        self._held = held
+        self.held = held
 
     def times(self, inner: Array, scalars: Array) -> tuple[Array, Array]:
         """C q, and Cᵀ y + D q.
@@ -124,12 +130,12 @@ class ScalarBorder:
             inner: y.
             scalars: q.
         """
-        own = self._columns.T @ inner + self._corner @ scalars
-        return self._columns @ scalars, own
+        own = self.columns.T @ inner + self.corner @ scalars
+        return self.columns @ scalars, own
 
     def magnitude(self, inner: Array, scalars: Array) -> float:
         """Sum over all rows of ``times`` with the absolute values of all entries."""
-        columns, corner = np.abs(self._columns), np.abs(self._corner)
+        columns, corner = np.abs(self.columns), np.abs(self.corner)
         return float((columns @ scalars).sum() + (columns.T @ inner + corner @ scalars).sum())
 
     def solve(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
@@ -142,13 +148,13 @@ class ScalarBorder:
         if self.count == 0:
             return solve_inner(right)
         if self._solved is None:
-            self._solved = np.column_stack([solve_inner(column) for column in self._columns.T])
+            self._solved = np.column_stack([solve_inner(column) for column in self.columns.T])
         rows, corner = self._own_rows
         return _eliminated(right, solve_inner, self._solved, rows, corner)
 
     def around(self, split: SplitSolver) -> BorderedSplit:
         """The whole matrix, as GMRES needs it, where M is solved in stiff and soft parts."""
-        return BorderedSplit(split, self._columns, *self._own_rows)
+        return BorderedSplit(split, self.columns, *self._own_rows)
 
     def solve_transposed(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
         """Solve with the transpose of the whole, by M⁻ᵀ; the arguments are those of ``solve``."""
@@ -156,13 +162,13 @@ class ScalarBorder:
             return solve_inner(right)
         rows, corner = self._own_rows
         solved = np.column_stack([solve_inner(row) for row in rows])
-        return _eliminated(right, solve_inner, solved, self._columns.T, corner.T)
+        return _eliminated(right, solve_inner, solved, self.columns.T, corner.T)
 
     @property
     def _own_rows(self) -> tuple[Array, Array]:
         """Cᵀ and D with unit rows for scalars that are held."""
-        held, units = self._held[:, None], np.diag(self._units)
-        return np.where(held, 0.0, self._columns.T), np.where(held, units, self._corner)
+        held, units = self.held[:, None], np.diag(self.units)
+        return np.where(held, 0.0, self.columns.T), np.where(held, units, self.corner)
 
 
 class BorderedSplit:
