@@ -16,7 +16,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.condensed.applied_bulk import applied_factors
+from fenics_contact.solve.condensed.applied.applied_bulk import applied_factors
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
 from fenics_contact.solve.condensed.part_factors import KnownFactors

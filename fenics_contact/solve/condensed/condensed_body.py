@@ -20,7 +20,7 @@ from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.motion_states import StepStiffness
 from fenics_contact.problem.scalar_unknown import PrescribedDisplacement, ScalarUnknown
-from fenics_contact.solve.condensed.applied_bulk import AppliedBulk
+from fenics_contact.solve.condensed.applied.applied_bulk import AppliedBulk
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads, LoadsOfBody
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.elimination import ReducedSchur, stiffness_of

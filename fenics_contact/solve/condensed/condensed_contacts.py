@@ -16,10 +16,10 @@ from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gathered_on_root
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarUnknown
-from fenics_contact.solve.condensed.applied_bulk import AppliedSchur
+from fenics_contact.solve.condensed.applied.applied_bulk import AppliedSchur
+from fenics_contact.solve.condensed.applied.dual_tangent import DualTangent
 from fenics_contact.solve.condensed.condensed_body import CondensedBody, ScalarLoad
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
-from fenics_contact.solve.condensed.dual_tangent import DualTangent
 from fenics_contact.solve.condensed.elimination import KeptUnknowns, ReducedSchur
 from fenics_contact.solve.condensed.tangent import ContactTangent, UnknownsTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables

@@ -11,10 +11,10 @@ from fenics_contact import Discretisation, Load, Material, Run
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import solver_choice
-from fenics_contact.solve.condensed.applied_bulk import AppliedBulk
+from fenics_contact.solve.condensed.applied.applied_bulk import AppliedBulk
+from fenics_contact.solve.condensed.applied.dual_tangent import DualTangent
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
-from fenics_contact.solve.condensed.dual_tangent import DualTangent
 from fenics_contact.solve.condensed.scalar_border import ScalarBorder
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import ContactTangent

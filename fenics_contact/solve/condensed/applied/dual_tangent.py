@@ -24,7 +24,7 @@ from scipy.sparse import block_diag, csc_matrix, csr_matrix, diags, identity
 from scipy.sparse.linalg import splu
 
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.solve.condensed.applied_bulk import AppliedSchur
+from fenics_contact.solve.condensed.applied.applied_bulk import AppliedSchur
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.scalar_border import ScalarBorder
 from fenics_contact.solve.condensed.split_solver import LEFT, NodalDirections

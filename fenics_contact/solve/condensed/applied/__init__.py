@@ -1,0 +1,1 @@
+"""Bodies whose condensed stiffness is applied by back-substitutions and never formed."""
