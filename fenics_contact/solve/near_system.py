@@ -16,10 +16,8 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.condensed.applied.applied_bulk import applied_factors
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
-from fenics_contact.solve.condensed.part_factors import KnownFactors
 from fenics_contact.solve.systems.near_nodes import (
     NearNodes,
     closed_near,
@@ -44,39 +42,18 @@ class NearSystem(CondensedSystem):
         problem: The problem.
         timings: Seconds so far.
         near: The nodes to begin with.
-        is_applied: As of ``CondensedBody``.
     """
 
     def __init__(
-        self,
-        problem: Problem,
-        timings: Timings,
-        near: Sequence[NearNodes | None],
-        is_applied: bool = False,
+        self, problem: Problem, timings: Timings, near: Sequence[NearNodes | None]
     ) -> None:
         self.near = list(near)
-        self._factors: KnownFactors | None = None
-        super().__init__(problem, timings, is_applied=is_applied)
+        super().__init__(problem, timings)
 
     def _condense(self) -> CondensedBody:
         problem = self.problem
         known = problem.discrete, problem.constrained, acting_sides(problem)
-        if self._is_applied and self._factors is None:
-            # Bodies whose contact nodes stay the same keep theirs: without S they are not large.
-            self._factors = applied_factors()
-        return CondensedBody(
-            *known,
-            self._timings,
-            factors=self._factors,
-            near=self.near,
-            is_applied=self._is_applied,
-        )
-
-    def destroy(self) -> None:
-        """Free PETSc's objects."""
-        super().destroy()
-        if self._factors is not None:
-            self._factors.destroy()
+        return CondensedBody(*known, self._timings, near=self.near)
 
     @property
     def _acting(self) -> list[ContactSurface]:

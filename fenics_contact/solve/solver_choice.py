@@ -59,10 +59,6 @@ _DENSE = {"condensed": 60.0, "full": 0.0, "iterative": 0.0}
 _ELIMINATED = {"condensed": 14.0, "full": 0.0, "iterative": 0.0}
 _COUPLED = {"condensed": 0.0, "full": 75.0, "iterative": 0.0}
 
-# Where S is applied: vectors of GMRES and the motions of bodies, in bytes over contact dofs; and
-# copies of K, of each of whose parts there are two factors.
-_APPLIED, _COPIES_APPLIED = 2_500.0, 7.0
-
 # Error bars: bytes for every dof of every cell, of the local problems (measured in space:
 # 470-700).
 _ERROR_BARS = {2: 150.0, 3: 500.0}
@@ -87,9 +83,6 @@ def memory_terms(problem: Problem, name: Name, is_kept: bool = False) -> dict[st
     every, acted_on = condensed_onto(problem, near)
     between = _between_ranks(problem)
     dense = _DENSE[name] * acted_on**2 + _ELIMINATED[name] * ((every + between) ** 2 - acted_on**2)
-    applied = name == "condensed" and not is_kept and applies_stiffness(problem, near)
-    if applied:
-        dense = _APPLIED * every
     terms = {
         "program": _PROGRAM * problem.comm.size,
         "mesh": _CELL * _cells(problem) + _UNKNOWN * count,
@@ -102,8 +95,8 @@ def memory_terms(problem: Problem, name: Name, is_kept: bool = False) -> dict[st
     if name == "iterative":
         return terms | {"multigrid": _MULTIGRID * matrix, "zone": _ZONE * contact}
     return terms | {
-        "matrix": (_COPIES_APPLIED if applied else _COPIES) * matrix,
-        "factor": 8 * _WORKSPACE * _factor_entries(problem, name),  # or two of half the size
+        "matrix": _COPIES * matrix,
+        "factor": 8 * _WORKSPACE * _factor_entries(problem, name),
     }
 
 
@@ -178,24 +171,6 @@ def condensed_onto(problem: Problem, near: Sequence[NearNodes | None]) -> tuple[
     )
     has_scalars = len(problem.unknowns) > len(problem.body_scalars)
     return every, every if has_scalars or not pays(every, every - slaves) else slaves
-
-
-# Dofs on which contacts act, from which S is applied and not formed.
-_VERY_MANY = 10_000
-
-
-def applies_stiffness(problem: Problem, near: Sequence[NearNodes | None]) -> bool:
-    """Whether a body is condensed by applying S, as its contacts have too many dofs; collective.
-
-    Args:
-        problem: The problem.
-        near: The nodes of each contact that can touch.
-    """
-    if problem.spaces.components < 3 or problem.elastic.mixed is not None:
-        return False
-    if problem.inertia.moves or len(problem.unknowns) > len(problem.body_scalars):
-        return False
-    return condensed_onto(problem, near)[1] >= _VERY_MANY
 
 
 def _coupled(problem: Problem) -> float:
@@ -363,10 +338,9 @@ def create_system(
     if choice.name == "condensed":
         body = condense and condense(problem, timings)
         near = near_nodes(problem) if body is None else []
-        applied = body is None and applies_stiffness(problem, near)
         return (
-            NearSystem(problem, timings, near, applied)
+            NearSystem(problem, timings, near)
             if any(near)
-            else CondensedSystem(problem, timings, body, applied)
+            else CondensedSystem(problem, timings, body)
         )
     return {"full": FullSystem, "iterative": IterativeSystem}[choice.name](problem, timings)

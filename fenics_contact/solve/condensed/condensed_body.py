@@ -20,7 +20,6 @@ from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.motion_states import StepStiffness
 from fenics_contact.problem.scalar_unknown import PrescribedDisplacement, ScalarUnknown
-from fenics_contact.solve.condensed.applied.applied_bulk import AppliedBulk
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads, LoadsOfBody
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.elimination import ReducedSchur, stiffness_of
@@ -82,7 +81,6 @@ class CondensedBody:
         factors: Those of a body before, which serve where a part of the body is the same.
         step: As of ``LocalStiffness``.
         near: As of ``ContactDofs``.
-        is_applied: Whether S is applied and not formed, which is for very many contact dofs.
 
     Raises:
         MachineError: There is not the memory for the factorisation; on every rank.
@@ -99,7 +97,6 @@ class CondensedBody:
         factors: KnownFactors | None = None,
         step: StepStiffness | None = None,
         near: Sequence[NearNodes | None] | None = None,
-        is_applied: bool = False,
     ) -> None:
         self.discrete = discrete
         self._constrained, self.sides = constrained, tuple(sides)
@@ -112,9 +109,8 @@ class CondensedBody:
         self.held[: len(displacements)] = self.dofs.constrained[displacements]
         with timings.phase("factorise"):
             known = (self.stiffness, self.held, self.dofs.free)
-            kind = AppliedBulk if is_applied else CondensedBulk
             bulk = (
-                kind(*known, factors)
+                CondensedBulk(*known, factors)
                 if schur is None
                 else BulkWithoutFactor(*known, schur(self.dofs), factors)
             )
@@ -237,8 +233,6 @@ class CondensedBody:
 
         Of other unknowns it is found again from what was returned last.
         """
-        if isinstance(self.bulk, AppliedBulk):
-            return self.bulk.between(variables)
         schur, self.bulk.schur = self.bulk.schur, None
         if self._given_up is not None:
             of_schur, before = self._given_up
@@ -255,8 +249,6 @@ class CondensedBody:
         Args:
             position: The displacements (length).
         """
-        if isinstance(self.bulk, AppliedBulk):
-            return self.bulk.times(position) if self.bulk.comm.rank == 0 else None
         if self._given_up is None:
             return None if self.bulk.schur is None else self.bulk.schur @ position
         of_schur, variables = self._given_up

@@ -16,8 +16,6 @@ from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gathered_on_root
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarUnknown
-from fenics_contact.solve.condensed.applied.applied_bulk import AppliedSchur
-from fenics_contact.solve.condensed.applied.dual_tangent import DualTangent
 from fenics_contact.solve.condensed.condensed_body import CondensedBody, ScalarLoad
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
 from fenics_contact.solve.condensed.elimination import KeptUnknowns, ReducedSchur
@@ -268,12 +266,9 @@ class CondensedContacts:
         corner = np.array([unknown.own for unknown in self._unknowns])
         derived = kept.variables.derived[:, kept.numbers]
         constant = ConstantTangent(own.matrix, columns, corner, derived, own)
-        inner = (
-            DualTangent(constant, own, nodes)
-            if isinstance(own, AppliedSchur)
-            else UnknownsTangent(constant, nodes)
+        return ContactTangent(
+            UnknownsTangent(constant, nodes), self._body.scalars.border(kept, self.size)
         )
-        return ContactTangent(inner, self._body.scalars.border(kept, self.size))
 
     @property
     def is_held(self) -> Flags:

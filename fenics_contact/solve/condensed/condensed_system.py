@@ -25,7 +25,7 @@ from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts
 from fenics_contact.solve.condensed.condensed_loads import PresentLoads
-from fenics_contact.solve.condensed.split_solver import LEFT
+from fenics_contact.solve.condensed.split_solver import LEFT, LEFT_AT_MOST
 from fenics_contact.solve.condensed.tangent import TangentOperator
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.solution import BodyAnswer, FindBody, LazyDisplacement
@@ -51,7 +51,6 @@ class CondensedSystem(System):
         problem: The problem.
         timings: Seconds so far.
         body: The body condensed, which is kept; by default it is condensed for this system alone.
-        is_applied: As of ``CondensedBody``, where it is condensed for this system alone.
     """
 
     name = "condensed"
@@ -59,14 +58,9 @@ class CondensedSystem(System):
     options: ClassVar = {"ksp_type": "preonly"}
 
     def __init__(
-        self,
-        problem: Problem,
-        timings: Timings,
-        body: CondensedBody | None = None,
-        is_applied: bool = False,
+        self, problem: Problem, timings: Timings, body: CondensedBody | None = None
     ) -> None:
         super().__init__(problem)
-        self._is_applied = is_applied
         with timings.phase("assemble"):
             self._surfaces = [
                 SurfaceMatrix(c) if c.forces.terms else None for c in problem.contacts
@@ -82,7 +76,7 @@ class CondensedSystem(System):
         problem = self.problem
         step = problem.inertia.stiffness
         known = problem.discrete, problem.constrained, acting_sides(problem)
-        return CondensedBody(*known, self._timings, step=step, is_applied=self._is_applied)
+        return CondensedBody(*known, self._timings, step=step)
 
     def _take_body(self, body: CondensedBody) -> None:
         """Set up all that follows from a condensed body; collective."""
@@ -286,11 +280,9 @@ class CondensedSystem(System):
         if not self.comm.allreduce(same, op=MPI.LAND):
             self.take(state)
         self._contacts.linearise(springs)
-        imbalance, forces = self.imbalance(), self.given_forces or self.forces or 1.0
+        left = _left_by_a_step(self.imbalance(), self.given_forces or self.forces or 1.0)
         if self._dense is not None:
-            self._dense.newton_left = _left_by_a_step(
-                imbalance, forces, self._dense.inner.left_at_most
-            )
+            self._dense.newton_left = left
 
     def linearise_truly(self) -> None:
         """Set the tangent of an answer in whose state the system is; collective.
@@ -401,7 +393,7 @@ def acting_sides(problem: Problem) -> list[ContactSides]:
     return [contact.sides for contact in problem.contacts if contact.forces.terms]
 
 
-def _left_by_a_step(imbalance: float, forces: float, most: float) -> float:
+def _left_by_a_step(imbalance: float, forces: float) -> float:
     """Share of the imbalance that the linear solve of a Newton step may leave.
 
     A step gains no more than what the imbalance is off by; and what it leaves is to be little
@@ -410,7 +402,6 @@ def _left_by_a_step(imbalance: float, forces: float, most: float) -> float:
     Args:
         imbalance: Before the step (force).
         forces: Those of loads, or what stands for them (force).
-        most: The largest share.
     """
     off = imbalance / forces
-    return float(np.clip(min(off, most / (off or 1.0)), LEFT, most))
+    return float(np.clip(min(off, LEFT_AT_MOST / (off or 1.0)), LEFT, LEFT_AT_MOST))

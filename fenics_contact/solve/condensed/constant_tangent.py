@@ -107,8 +107,7 @@ class ConstantTangent:
     """A = [[S, C], [0, D]] of displacements and scalars, or its transpose; and z = R y.
 
     Attributes:
-        schur: S, symmetric and positive semi-definite, (displacements, displacements);
-            of no entries where it is applied.
+        schur: S, symmetric and positive semi-definite, (displacements, displacements).
         columns: C: what the scalars do to the displacements' rows, (displacements, scalars).
         rows: What the displacements do to the scalars' rows, (scalars, displacements): nothing,
             but in the transpose.
@@ -137,7 +136,7 @@ class ConstantTangent:
         self.count, scalars = columns.shape
         self.size = self.count + scalars
         self.width = self.size + len(derived)
-        self.of_schur = OfSchur(schur) if of_schur is None else of_schur
+        self.of_schur = of_schur or OfSchur(schur)
         self.schur, self.columns, self.corner, self.derived = schur, columns, corner, derived
         self.rows = np.zeros((scalars, self.count))
         self.stiffest = self.of_schur.stiffest

@@ -14,7 +14,6 @@ change has left its part as it was.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
 
 import numpy as np
 from petsc4py import PETSc
@@ -195,13 +194,10 @@ class KnownFactors:
 
     Attributes:
         made: How many were made so far.
-
-    Args:
-        kind: PETSc's name of the preconditioner that holds them; None for the fastest.
     """
 
-    def __init__(self, kind: str | None = None) -> None:
-        self.made, self._kind = 0, kind
+    def __init__(self) -> None:
+        self.made = 0
         self._all: list[LocalFactor] = []
 
     def of(self, wanted: list[tuple[csr_matrix, Integers]], is_plane: bool) -> list[LocalFactor]:
@@ -223,10 +219,7 @@ class KnownFactors:
         return next((one for one in self._all if one.serves(matrix, kept)), None)
 
     def _make(self, matrix: csr_matrix, kept: Integers, is_plane: bool) -> LocalFactor:
-        chosen = mumps.fastest(is_plane, matrix.shape[0])
-        if self._kind is not None:
-            chosen = mumps.Factorisation(self._kind, mumps.AUTOMATIC)
-        found = LocalFactor(matrix, kept, chosen)
+        found = LocalFactor(matrix, kept, mumps.fastest(is_plane, matrix.shape[0]))
         self.made += 1
         if found.error is None:
             self._all.append(found)
@@ -264,8 +257,8 @@ class RankFactor:
         self._is_own = known is None  # then its factors end with it
         self._known = KnownFactors() if known is None else known
         before = self._known.made
-        matrix = without(stiffness.matrix, held)
-        self._parts = unknowns_of_parts(stiffness.matrix, stiffness.places)
+        matrix = _without(stiffness.matrix, held)
+        self._parts = _unknowns_of_parts(stiffness)
         at = np.zeros(len(held), dtype=bool)
         at[kept] = True
         pieces = [matrix] if len(self._parts) == 1 else [_piece(matrix, p) for p in self._parts]
@@ -313,22 +306,16 @@ class RankFactor:
             self._known.destroy()
 
 
-def unknowns_of_parts(
-    matrix: csr_matrix, find_places: Callable[[], tuple[Array, Integers]]
-) -> list[Integers]:
-    """The unknowns of each connected part of cells.
+def _unknowns_of_parts(stiffness: LocalStiffness) -> list[Integers]:
+    """The unknowns of each connected part of this rank's cells.
 
     Of several parts in an order that does not depend on where a part stands, so that equal ones
     have equal matrices.
-
-    Args:
-        matrix: The stiffness of these cells.
-        find_places: Tells where each unknown is, and which one of its node it is.
     """
-    count, part = connected_components(matrix, directed=False)
+    count, part = connected_components(stiffness.matrix, directed=False)
     if count <= 1:
         return [np.arange(len(part))]
-    places, kinds = find_places()
+    places, kinds = stiffness.places()
     found = []
     for number in range(count):
         unknowns = np.flatnonzero(part == number)
@@ -345,7 +332,7 @@ def _piece(matrix: csr_matrix, unknowns: Integers) -> csr_matrix:
     return found
 
 
-def without(matrix: csr_matrix, held: Flags) -> csr_matrix:
+def _without(matrix: csr_matrix, held: Flags) -> csr_matrix:
     """A sparse matrix with identity rows and columns where displacements are held."""
     found = csr_matrix((matrix.data.copy(), matrix.indices, matrix.indptr), shape=matrix.shape)
     found.data[held[found.indices]] = 0.0

@@ -88,12 +88,6 @@ class ScalarBorder:
     M is the tangent of the condensed bulk and the contacts with all these scalars held. So it can
     be solved wherever the whole can.
 
-    Attributes:
-        columns: See the arguments.
-        corner: Likewise.
-        units: Likewise.
-        held: Which scalars are held, (scalars,).
-
     Args:
         columns: C, (unknowns of M, scalars).
         corner: D.
@@ -101,9 +95,9 @@ class ScalarBorder:
     """
 
     def __init__(self, columns: Array, corner: Array, units: Array) -> None:
-        self.columns, self.corner, self.units = columns, corner, units
+        self._columns, self._corner, self._units = columns, corner, units
         self._solved: Array | None = None
-        self.held = np.zeros(len(corner), dtype=bool)
+        self._held = np.zeros(len(corner), dtype=bool)
 
     @classmethod
     def empty(cls, size: int) -> ScalarBorder:
@@ -113,7 +107,7 @@ class ScalarBorder:
     @property
     def count(self) -> int:
         """Number of scalars."""
-        return len(self.corner)
+        return len(self._corner)
 
     def forget(self) -> None:
         """M has changed."""
@@ -121,7 +115,7 @@ class ScalarBorder:
 
     def hold(self, held: Flags) -> None:
         """Say which scalars are held, (scalars,)."""
-        self.held = held
+        self._held = held
 
     def times(self, inner: Array, scalars: Array) -> tuple[Array, Array]:
         """C q, and Cᵀ y + D q.
@@ -130,12 +124,12 @@ class ScalarBorder:
             inner: y.
             scalars: q.
         """
-        own = self.columns.T @ inner + self.corner @ scalars
-        return self.columns @ scalars, own
+        own = self._columns.T @ inner + self._corner @ scalars
+        return self._columns @ scalars, own
 
     def magnitude(self, inner: Array, scalars: Array) -> float:
         """Sum over all rows of ``times`` with the absolute values of all entries."""
-        columns, corner = np.abs(self.columns), np.abs(self.corner)
+        columns, corner = np.abs(self._columns), np.abs(self._corner)
         return float((columns @ scalars).sum() + (columns.T @ inner + corner @ scalars).sum())
 
     def solve(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
@@ -148,13 +142,13 @@ class ScalarBorder:
         if self.count == 0:
             return solve_inner(right)
         if self._solved is None:
-            self._solved = np.column_stack([solve_inner(column) for column in self.columns.T])
+            self._solved = np.column_stack([solve_inner(column) for column in self._columns.T])
         rows, corner = self._own_rows
         return _eliminated(right, solve_inner, self._solved, rows, corner)
 
     def around(self, split: SplitSolver) -> BorderedSplit:
         """The whole matrix, as GMRES needs it, where M is solved in stiff and soft parts."""
-        return BorderedSplit(split, self.columns, *self._own_rows)
+        return BorderedSplit(split, self._columns, *self._own_rows)
 
     def solve_transposed(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
         """Solve with the transpose of the whole, by M⁻ᵀ; the arguments are those of ``solve``."""
@@ -162,13 +156,13 @@ class ScalarBorder:
             return solve_inner(right)
         rows, corner = self._own_rows
         solved = np.column_stack([solve_inner(row) for row in rows])
-        return _eliminated(right, solve_inner, solved, self.columns.T, corner.T)
+        return _eliminated(right, solve_inner, solved, self._columns.T, corner.T)
 
     @property
     def _own_rows(self) -> tuple[Array, Array]:
         """Cᵀ and D with unit rows for scalars that are held."""
-        held, units = self.held[:, None], np.diag(self.units)
-        return np.where(held, 0.0, self.columns.T), np.where(held, units, self.corner)
+        held, units = self._held[:, None], np.diag(self._units)
+        return np.where(held, 0.0, self._columns.T), np.where(held, units, self._corner)
 
 
 class BorderedSplit:

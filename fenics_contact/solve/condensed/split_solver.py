@@ -45,7 +45,7 @@ class SplitSolver:
 
     def __init__(self, constant: ConstantTangent, nodes: Integers) -> None:
         self._constant = constant
-        self._nodes = NodalDirections(nodes, constant.of_schur.diagonal, _STIFF)
+        self._nodes = _Nodes(nodes, constant.schur.diagonal())
         # Derived jumps may be stiff, and are among what is soft.
         self._is_single = not len(constant.derived)
         self._transposed: SplitSolver | None = None
@@ -229,7 +229,7 @@ def gmres(context: object, right: Array, left: float) -> Array | None:
     return result
 
 
-class NodalDirections:
+class _Nodes:
     """Directions at each node in which W is stiff, and those in which it is not.
 
     Attributes:
@@ -238,11 +238,9 @@ class NodalDirections:
     Args:
         nodes: Number of the node that each displacement belongs to.
         stiffness: Of the body at each displacement.
-        stiff: Stiffness of W in a direction, over the body's, from which it is stiff.
     """
 
-    def __init__(self, nodes: Integers, stiffness: Array, stiff: float) -> None:
-        self._stiff = stiff
+    def __init__(self, nodes: Integers, stiffness: Array) -> None:
         _, self._node, sizes = np.unique(nodes, return_inverse=True, return_counts=True)
         order = np.argsort(self._node, kind="stable")
         first = np.cumsum(sizes) - sizes
@@ -273,7 +271,7 @@ class NodalDirections:
         found: list[tuple[Integers, Integers, Array]] = []
         for chosen, dofs, size in self._alike:
             _, values, directions = np.linalg.svd(blocks[chosen, :size, :size])
-            stiff[dofs] = values > self._stiff * self.scale[dofs]
+            stiff[dofs] = values > _STIFF * self.scale[dofs]
             where = np.broadcast_to(dofs[:, None, :], directions.shape)
             which = np.broadcast_to(dofs[:, :, None], directions.shape)
             found.append((where.ravel(), which.ravel(), directions.ravel()))

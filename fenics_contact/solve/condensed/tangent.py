@@ -7,11 +7,9 @@ Qᵀ W Q, which would be full, is never made.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf
-from typing import ClassVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -20,7 +18,7 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.constant_tangent import ComplianceSolver, ConstantTangent
 from fenics_contact.solve.condensed.scalar_border import ScalarBorder
-from fenics_contact.solve.condensed.split_solver import LEFT, LEFT_AT_MOST, SplitSolver, gmres
+from fenics_contact.solve.condensed.split_solver import LEFT, SplitSolver, gmres
 from fenics_contact.solve.systems.contact_stiffness import Entries
 
 # Contact dofs up to which a dense inverse costs next to nothing.
@@ -33,108 +31,23 @@ _GMRES = 8
 _IN_VAIN = 10
 
 
-class TangentOfUnknowns(ABC):
+class UnknownsTangent:
     """The tangent M = A + Qᵀ W Q of all unknowns but the body's scalars.
 
     Args:
         constant: A and Q.
+        nodes: Number of the node that each displacement belongs to.
 
     Attributes:
         constant: See the arguments.
         size: Number of unknowns.
-        left_at_most: Share of the forces that a step of Newton's method may leave at the most.
     """
 
-    left_at_most: ClassVar[float] = LEFT_AT_MOST
-
-    def __init__(self, constant: ConstantTangent) -> None:
+    def __init__(self, constant: ConstantTangent, nodes: Integers) -> None:
         self.constant, self.size = constant, constant.size
         none = np.zeros(0, dtype=np.int64)
         self._entries: Entries = none, none, np.zeros(0)
         self._written: csr_matrix | None = None
-
-    def set(self, entries: Entries) -> None:
-        """Set W by its entries; those at the same place add up."""
-        rows, columns, values = entries
-        kept = np.flatnonzero(values)
-        self._entries, self._written = (rows[kept], columns[kept], values[kept]), None
-
-    @property
-    def _added(self) -> csr_matrix:
-        """W written out, when it is asked for."""
-        if self._written is None:
-            rows, columns, values = self._entries
-            shape = (self.constant.width, self.constant.width)
-            self._written = csr_matrix((values, (rows, columns)), shape=shape)
-        return self._written
-
-    @abstractmethod
-    def solve(self, border: ScalarBorder, right: Array, left: float) -> Array:
-        """Solve for the unknowns and the body's scalars; not a number where that is singular.
-
-        Args:
-            border: Rows and columns of these scalars.
-            right: Of all.
-            left: Share of it that the solve may leave, where that spares work.
-        """
-
-    @abstractmethod
-    def solve_transposed(self, border: ScalarBorder, right: Array) -> Array:
-        """The same with the transpose, to what numbers can tell."""
-
-    @abstractmethod
-    def compliances(
-        self,
-        relative_to: Callable[[Integers], csr_matrix],
-        across: csr_matrix,
-        ways: Sequence[csr_matrix],
-    ) -> tuple[Array, list[Array]] | None:
-        """How far forces along rows move the first rows, as ``CondensedSystem.compliances``."""
-
-    def multiply(self, values: Array) -> Array:
-        """The tangent times all unknowns."""
-        return self.constant.with_contacts(self._added, values)
-
-    def of_contacts(self, values: Array) -> Array:
-        """Qᵀ W Q times all unknowns."""
-        constant = self.constant
-        return constant.onto_unknowns(self._added @ constant.every(values))
-
-    def times(self, values: Array) -> Array:
-        """The tangent without contacts times all unknowns."""
-        return self.constant.times(values)
-
-    def times_transposed(self, values: Array) -> Array:
-        """The transpose, without contacts, times all unknowns."""
-        return self.constant.transposed.times(values)
-
-    def magnitude(self, sizes: Array) -> float:
-        """Σ |M| |y| over all rows, of sizes |y|."""
-        return self.constant.magnitude(sizes) + self.magnitude_of_contacts(sizes)
-
-    def magnitude_of_contacts(self, sizes: Array) -> float:
-        """Σ |Qᵀ W Q| |y| over all rows, of sizes |y|."""
-        derived = np.abs(self.constant.derived)
-        every = np.concatenate([sizes, derived @ sizes[: self.constant.count]])
-        count = np.concatenate([np.ones(len(sizes)), derived.sum(axis=1)])
-        return float(count @ (abs(self._added) @ every))
-
-    def onto_unknowns(self, forces: Array) -> Array:
-        """Qᵀ f of forces on the unknowns and the derived jumps."""
-        return self.constant.onto_unknowns(forces)
-
-
-class UnknownsTangent(TangentOfUnknowns):
-    """The tangent by S, which is dense.
-
-    Args:
-        constant: A and Q.
-        nodes: Number of the node that each displacement belongs to.
-    """
-
-    def __init__(self, constant: ConstantTangent, nodes: Integers) -> None:
-        super().__init__(constant)
-        self._solved_to = inf  # share that a solve for the border's columns may have left
         self._split = SplitSolver(constant, nodes) if constant.count > _FEW else None
         self._by_compliance: ComplianceSolver | None = None
         self._is_split = False
@@ -150,11 +63,21 @@ class UnknownsTangent(TangentOfUnknowns):
 
     def set(self, entries: Entries) -> None:
         """Set W by its entries; those at the same place add up."""
-        super().set(entries)
-        self._solved_to = inf
+        rows, columns, values = entries
+        kept = np.flatnonzero(values)
+        self._entries, self._written = (rows[kept], columns[kept], values[kept]), None
         self._is_split = self._can_split()
         if not self._is_split:
             self.compliance.factorise(self._entries)
+
+    @property
+    def _added(self) -> csr_matrix:
+        """W written out, when it is asked for."""
+        if self._written is None:
+            rows, columns, values = self._entries
+            shape = (self.constant.width, self.constant.width)
+            self._written = csr_matrix((values, (rows, columns)), shape=shape)
+        return self._written
 
     def _can_split(self) -> bool:
         """Factorise stiff and soft parts, if that is the shorter way and there is one."""
@@ -205,18 +128,7 @@ class UnknownsTangent(TangentOfUnknowns):
         self._lost += max(gain, 0.0)
         return self._lost < _INVERSE * float(self.constant.count) ** 3
 
-    def solve(self, border: ScalarBorder, right: Array, left: float) -> Array:
-        """Solve for the unknowns and the body's scalars; not a number where that is singular."""
-        if self._is_split and self._split is not None and border.count:
-            found = gmres(border.around(self._split), right, left)
-            if found is not None:
-                return found
-        if left < self._solved_to:
-            border.forget()
-            self._solved_to = left
-        return border.solve(right, partial(self._solve, left=left))
-
-    def _solve(self, right: Array, left: float) -> Array:
+    def solve(self, right: Array, left: float = LEFT) -> Array:
         """M⁻¹ r, but for a share that may be left; not a number where M is singular."""
         if self._is_split and self._split is not None:
             found = self._split.solve(right, left)
@@ -226,11 +138,12 @@ class UnknownsTangent(TangentOfUnknowns):
             self.compliance.factorise(self._entries)
         return self.compliance.solve(right)
 
-    def solve_transposed(self, border: ScalarBorder, right: Array) -> Array:
-        """Solve with the transpose of the whole; not a number where it is singular."""
-        return border.solve_transposed(right, self._solve_transposed)
+    @property
+    def split(self) -> SplitSolver | None:
+        """The solver in stiff and soft parts, where that is the way of this tangent."""
+        return self._split if self._is_split else None
 
-    def _solve_transposed(self, right: Array) -> Array:
+    def solve_transposed(self, right: Array) -> Array:
         """M⁻ᵀ r; not a number where M is singular."""
         if self._is_split and self._split is not None:
             found = self._split.solve_transposed(right)
@@ -239,6 +152,38 @@ class UnknownsTangent(TangentOfUnknowns):
             self._is_split = False
             self.compliance.factorise(self._added)
         return self.compliance.solve_transposed(right)
+
+    def multiply(self, values: Array) -> Array:
+        """The tangent times all unknowns."""
+        return self.constant.with_contacts(self._added, values)
+
+    def of_contacts(self, values: Array) -> Array:
+        """Qᵀ W Q times all unknowns."""
+        constant = self.constant
+        return constant.onto_unknowns(self._added @ constant.every(values))
+
+    def times(self, values: Array) -> Array:
+        """The tangent without contacts times all unknowns."""
+        return self.constant.times(values)
+
+    def times_transposed(self, values: Array) -> Array:
+        """The transpose, without contacts, times all unknowns."""
+        return self.constant.transposed.times(values)
+
+    def magnitude(self, sizes: Array) -> float:
+        """Σ |M| |y| over all rows, of sizes |y|."""
+        return self.constant.magnitude(sizes) + self.magnitude_of_contacts(sizes)
+
+    def magnitude_of_contacts(self, sizes: Array) -> float:
+        """Σ |Qᵀ W Q| |y| over all rows, of sizes |y|."""
+        derived = np.abs(self.constant.derived)
+        every = np.concatenate([sizes, derived @ sizes[: self.constant.count]])
+        count = np.concatenate([np.ones(len(sizes)), derived.sum(axis=1)])
+        return float(count @ (abs(self._added) @ every))
+
+    def onto_unknowns(self, forces: Array) -> Array:
+        """Qᵀ f of forces on the unknowns and the derived jumps."""
+        return self.constant.onto_unknowns(forces)
 
     def compliances(
         self,
@@ -263,14 +208,18 @@ class ContactTangent:
         newton_left: Share of the forces that a step of Newton's method may leave.
     """
 
-    def __init__(self, inner: TangentOfUnknowns, border: ScalarBorder | None = None) -> None:
+    def __init__(self, inner: UnknownsTangent, border: ScalarBorder | None = None) -> None:
         self.inner, self.border = inner, border or ScalarBorder.empty(inner.size)
-        self.newton_left = LEFT
+        self.newton_left, self._left = LEFT, inf
 
     def set(self, entries: Entries) -> None:
         """Set W by its entries; those at the same place add up."""
-        self.border.forget()
+        self._forget_border(inf)
         self.inner.set(entries)
+
+    def _forget_border(self, left: float) -> None:
+        self.border.forget()
+        self._left = left
 
     def solve(self, right: Array, left: float = LEFT) -> Array:
         """Solve for all unknowns; not a number where the tangent is singular.
@@ -279,11 +228,18 @@ class ContactTangent:
             right: Of all unknowns.
             left: Share of it that the solve may leave, where that spares work.
         """
-        return self.inner.solve(self.border, right, left)
+        split = self.inner.split
+        if split is not None and self.border.count:
+            found = gmres(self.border.around(split), right, left)
+            if found is not None:
+                return found
+        if left < self._left:
+            self._forget_border(left)
+        return self.border.solve(right, partial(self.inner.solve, left=left))
 
     def solve_transposed(self, right: Array) -> Array:
         """With the transpose, of all unknowns; not a number where it is singular."""
-        return self.inner.solve_transposed(self.border, right)
+        return self.border.solve_transposed(right, self.inner.solve_transposed)
 
     def multiply(self, values: Array) -> Array:
         """The tangent times all unknowns."""

@@ -1,1 +1,0 @@
-"""Bodies whose condensed stiffness is applied by back-substitutions and never formed."""
