@@ -1,4 +1,4 @@
-"""Curves over the load steps: forces, areas, energies, and wear."""
+"""Curves over the load steps: forces, areas, energies, bolts, and wear."""
 
 from __future__ import annotations
 
@@ -72,6 +72,8 @@ def draw_history(folder: Path, result: Outcome, far: tuple[str, ...] = ()) -> li
     if contacts:
         drawn.append(draw_forces(history, contacts, folder / "history_forces.png"))
         drawn.append(_areas(history, contacts, folder / "history_areas.png"))
+    if history.steps[-1].preloads:
+        drawn.append(_bolts(history, folder / "history_bolts.png"))
     return [*drawn, _energies(history, folder / "history_energy.png")]
 
 
@@ -193,6 +195,28 @@ def _areas(history: History, contacts: list[ContactRecord], path: Path) -> Pictu
     return Picture(path, "Areas in contact", said + ".", followed(figure, panels, history))
 
 
+def _bolts(history: History, path: Path) -> Picture:
+    """Force of each preloaded part, with a line where the length of one is locked."""
+    figure, (panel,) = over_time("Forces of preloaded parts", [2.1], history)
+    names, starts = list(history.steps[-1].preloads), set[float]()
+    for number, name in enumerate(names):
+        found = [step.preloads[name] for step in history.steps]
+        forces = np.array([one.force for one in found])
+        line(panel, history.time, forces, plain(f"'{name}'"), number)
+        locked = [n for n, one in enumerate(found) if one.locked and n > 0]
+        starts |= {float(history.time[n - 1]) for n in locked[:1]}
+    for start in sorted(starts):
+        panel.axvline(start, color="0.6", linewidth=0.8, linestyle=":", zorder=0)
+    panel.set_ylabel(labelled("force, $F$", "force"))
+    if len(names) > 1:
+        legend_beside(panel)
+    save(figure, path)
+    said = f"Force along each preloaded part over the {history.clock} t"
+    said += "; a dotted line where the length of one is locked." if starts else "."
+    title = "Forces of preloaded parts"
+    return Picture(path, title, said, followed(figure, [panel], history))
+
+
 def _energies(history: History, path: Path) -> Picture:
     """Work and where it went; below, what does not balance."""
     names = {
@@ -202,7 +226,7 @@ def _energies(history: History, path: Path) -> Picture:
         FRICTION_WORK: "dissipated, $D$",
         DAMPING_WORK: "taken by damping, $D_v$",
         PENALTY_ENERGY: "in springs of contacts, $E_p$",
-        SPRING_ENERGY: "in springs of supports, $E_k$",
+        SPRING_ENERGY: "in springs, $E_k$",
         ELASTIC_SLIP_ENERGY: "in elastic slip, $E_s$",
     }
     known = history.steps[0].quantities

@@ -86,6 +86,30 @@ def test_without_friction_nothing_is_said_to_stick(law, tmp_path):
     assert areas.caption.endswith(".")
 
 
+def test_a_bolt_has_its_force_over_the_load_steps(monkeypatch, tmp_path):
+    """And a line at the end of the step after which its length is locked."""
+    drawn = {}
+
+    def kept(figure, path):
+        figure.draw_without_rendering()
+        drawn[path.stem] = figure.axes
+
+    monkeypatch.setattr(history_pictures, "save", kept)
+    result = cycled()
+    forces = np.linspace(3.0, 2.0, len(result["steps"]))
+    for number, (step, force) in enumerate(zip(result["steps"], forces, strict=True)):
+        bolt = {"on": "shank", "elongation": 0.1, "initial_strain": -0.01, "locked": number > 1}
+        step["preloads"] = {"bolt": bolt | {"force": float(force)}}
+    pictures = {picture.path.stem: picture for picture in draw_history(tmp_path, made_run(result))}
+    (panel,) = drawn["history_bolts"]
+    curve, locked = panel.get_lines()
+    assert curve.get_ydata() == pytest.approx(forces)
+    assert locked.get_xdata()[0] == result["steps"][1]["load_factor"]
+    assert "locked" in pictures["history_bolts"].caption
+    without = draw_history(tmp_path, made_run(cycled()))
+    assert "history_bolts" not in {picture.path.stem for picture in without}
+
+
 def test_any_name_can_be_drawn(monkeypatch, tmp_path):
     """Dollars begin no formula, and nothing turns the direction of writing."""
     texts = []
