@@ -8,6 +8,7 @@ are 9 wide. The ends of the laps leave 2 free to the shoulders.
 """
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import gmsh
@@ -28,7 +29,7 @@ def main() -> None:
     file = Path(__file__).with_name("joint.step")
     gmsh.write(str(file))
     gmsh.finalize()
-    file.write_text(_named(file.read_text(encoding="utf-8")), encoding="utf-8")
+    file.write_text(named(file.read_text(encoding="utf-8"), NAMES, "joint"), encoding="utf-8")
 
 
 def _bar(side: int) -> None:
@@ -56,15 +57,21 @@ def _bolt() -> None:
     occ.fuse([(3, shank)], [(3, head), (3, nut)])
 
 
-def _named(text: str) -> str:
-    """The file with names of parts, as CAD programs write them; Gmsh gives each a number."""
-    for number, name in enumerate(NAMES, start=1):
+def named(text: str, names: Sequence[str], whole: str) -> str:
+    """The file with names of parts, as CAD programs write them; Gmsh gives each a number.
+
+    Args:
+        text: Of the file.
+        names: Of its parts, in their order.
+        whole: Name of all of it.
+    """
+    for number, name in enumerate(names, start=1):
         text, count = re.subn(
             rf"'Open CASCADE STEP translator [\d.]+ 1\.{number}'", f"'{name}'", text
         )
         if not count:
             raise ValueError(f"no part {number} in the file")
-    return re.sub(r"'Open CASCADE STEP translator [\d.]+ 1'", "'joint'", text)
+    return re.sub(r"'Open CASCADE STEP translator [\d.]+ 1'", f"'{whole}'", text)
 
 
 if __name__ == "__main__":

@@ -91,7 +91,10 @@ class Proposal:
             for name, pair, (one, other) in zip(names, pairs, between, strict=True)
         ]
         self._bolts = bolts(found, pairs) if curvature is not None and found.are_named else []
-        self._held = [self._group("fixed", (n,)) for n in self._places_to_hold()]
+        places = self._places_to_hold()
+        self._held = [self._group("fixed", (n,)) for n in places]
+        held = {found.surfaces[n].piece for n in places}
+        self._loose = [body.label for body in found.bodies if held.isdisjoint(body.pieces)]
 
     def text(self) -> str:
         """The scene file."""
@@ -104,6 +107,7 @@ class Proposal:
                 *self._preloads(),
                 *self._contacts(),
                 *self._loads(),
+                *self._steps(),
                 "",
             ]
         )
@@ -251,6 +255,9 @@ class Proposal:
         for name in self._held:
             yield from ("", f"[[support]]  # {_REPLACE}: an example that holds all of a surface")
             yield from (f"on = {_quoted(name)}", f"displacement = {{ {axes} }}")
+        if self._loose and self._held:
+            names = one_line(", ".join(f"'{name}'" for name in self._loose))
+            yield from ("", f"# Held by contacts alone: {names}; by a [[support]], if by more.")
 
     def _preloads(self) -> Iterator[str]:
         """Yield lines of preloads of bolts in CAD files, whose shanks can be cut out."""
@@ -261,6 +268,7 @@ class Proposal:
             yield f"on = {_quoted(self._found.bodies[bolt.body].name)}"
             yield f"between = [{first}, {last}]  # along the axis: it is cut there before meshing"
             yield from (f"axis = [{axis}]", f"force = {_figures(100 * bolt.area)}")
+            yield "locked_from = 1  # tightened in the first load step, then its length is kept"
 
     def _contacts(self) -> Iterator[str]:
         for contact in self.contacts:
@@ -275,6 +283,8 @@ class Proposal:
                 if self._may_be_thread(contact.pair):
                     yield '# if this is a thread, or is glued: contact = "bonded", without friction'
                 yield from ('contact = "unilateral"', f"friction_coefficient = 0.2  # {_REPLACE}")
+                if self._bolts:
+                    yield 'law = "incremental"  # slip counts from the load step before'
 
     def _may_be_thread(self, pair: Pair) -> bool:
         """Whether a shaft is in a hole without play."""
@@ -293,10 +303,25 @@ class Proposal:
         return f"{of_both}: {gap_words(pair)}"
 
     def _loads(self) -> Iterator[str]:
-        yield from ("", "# [[load]]  # what acts on it: a pressure or a traction, on a surface")
+        """Yield lines of a load, as an example that is left out."""
         free = [s for s in self._found.surfaces if s.number is not None and not s.is_inside]
         name = free[-1].number if free else "NAME"
-        yield from (f'# on = "{name}"  # a name, or a number in quotes', "# pressure = 1")
+        force, moment = ("[0, -100]", "1000") if self._found.dimension == 2 else _IN_SPACE
+        yield from ("", "# [[load]]  # what acts on a surface")
+        yield f'# on = "{name}"  # a name, or a number in quotes'
+        yield f"# force = {force}  # or pressure = 1, or traction = {force}"
+        yield f"# moment = {moment}  # with the force, or alone"
+        if self._bolts:
+            yield "# path = { time = [1, 2], factor = [0, 1] }  # once the bolts are tight"
+
+    def _steps(self) -> Iterator[str]:
+        """Yield lines of load steps, where a bolt is tightened in the first one."""
+        if self._bolts:
+            yield from ("", "[steps]", "times = [1, 2]  # the bolts, then the loads")
+
+
+# A force and a moment as examples, in space.
+_IN_SPACE = "[0, 0, -100]", "[0, 0, 1000]"
 
 
 def gap_words(pair: Pair) -> str:

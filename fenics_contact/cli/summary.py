@@ -145,7 +145,8 @@ def _conditions(scene: Scene) -> list[str]:
         keys = load.given
         said = [f"{key} {_given(value)}{unit(load, key)}" for key, value in keys.items()]
         if len(keys) == 1:
-            said = [f"{load.definition.words_of(load.value)}{said[0].removeprefix(load.kind)}"]
+            (key,) = keys
+            said = [f"{load.definition.words_of(load.value)}{said[0].removeprefix(key)}"]
         lines.append(f"Load '{load.on}': {', '.join(said)}")
     for preload in scene.preload:
         locked = preload.locked_from

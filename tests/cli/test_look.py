@@ -57,6 +57,11 @@ def test_three_solids_of_a_step_file_to_a_scene_that_check_accepts(folder, capsy
     (bolt,) = scene["preload"]
     assert (bolt["on"], bolt["axis"]) == ("Bolt", [0, 0, 1])
     assert 0 < bolt["between"][0] < bolt["between"][1] < 2 * cad.THICK
+    assert bolt["locked_from"] == 1 and scene["steps"]["times"] == [1, 2]
+    assert {contact["law"] for contact in scene["contact"]} == {"incremental"}
+    text = (folder / "out" / "scene.toml").read_text()
+    assert "# Held by contacts alone: 'upper_plate', 'Bolt'" in text
+    assert "# moment = [0, 0, 1000]" in text
     assert len(scene["support"]) == 1  # the head and the nut hold on to the other bodies
     assert scene["mesh"]["file"] == "../joint.step"
 
