@@ -66,7 +66,7 @@ OTHERS = {
     "mkdir",
     "mpirun",
 }
-OTHERS |= {"pip", "rm", "sbatch", "scontrol", "source", "srun"}
+OTHERS |= {"pip", "rm", "sbatch", "scontrol", "sed", "source", "srun"}
 # README has no comments: the first line of its fragments → what each is of.
 README = {'kinematics = "plane stress"': "from demos/slab.toml"}
 
@@ -235,8 +235,12 @@ def test_python(block, copy_of_repository):
 
 
 def lines_of(block):
-    """Commands of a block of shell, continued lines put together, without prompts and comments."""
-    text = re.sub(r"\\\n\s*", " ", block.text)
+    """Commands of a block of shell, continued lines put together, without prompts and comments.
+
+    And without what a command is given to read (``<<'END'``).
+    """
+    text = re.sub(r"<<'(\w+)'\n.*?\n\1\n", "<<\n", block.text, flags=re.DOTALL)
+    text = re.sub(r"\\\n\s*", " ", text)
     for line in text.splitlines():
         line = line.removeprefix("$ ") if block.text.startswith("$ ") else line
         words = shlex.split(line, comments=True)
