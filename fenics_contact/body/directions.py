@@ -7,7 +7,6 @@ from abc import ABC, abstractmethod
 import numpy as np
 import ufl
 from dolfinx import fem
-from scipy.optimize import least_squares
 from ufl.core.expr import Expr
 
 from fenics_contact.body.spaces import Spaces
@@ -172,6 +171,8 @@ def _cylinder(places: Array, guess: Array) -> tuple[Array, Array, float]:
         Unit vector along its axis, (3,), a point of it, (components,), and the largest distance of
         a point from it (length).
     """
+    from scipy.optimize import least_squares  # takes long to load, and few scenes need it
+
     size, middle = places.shape[1], places.mean(axis=0)
     one, other = np.linalg.svd(guess[None])[2][1:]
     scale = float(np.linalg.norm(np.ptp(places, axis=0)))

@@ -109,5 +109,5 @@ def test_an_axis_that_the_model_has_not_is_refused(kinematics, turn, words):
 
 
 def test_a_support_says_what_it_holds():
-    with pytest.raises(InputError, match="give displacement, rotation, stiffness"):
+    with pytest.raises(InputError, match="give displacement, rotation, normal, stiffness"):
         Support("x0")

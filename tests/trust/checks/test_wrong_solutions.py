@@ -14,6 +14,7 @@ from mpi4py import MPI
 from fenics_contact import (
     Check,
     Contact,
+    Coupling,
     Load,
     Material,
     Obstacle,
@@ -113,6 +114,17 @@ def tightened():
     return Run(bolted_joint(locked_from=None), COMM, joint())
 
 
+def levered():
+    """A strip on its bottom, whose end is rigid, pulled and turned."""
+    scene = Scene(
+        kinematics="plane strain",
+        material=MATERIAL,
+        support=(Support("x0", {"x": 0, "y": 0}),),
+        coupling=(Coupling("x1", force=(20, 1), moment=3),),
+    )
+    return Run(scene, COMM, box_body((32, 4), (4, 0.5)))
+
+
 def driven():
     return indented(obstacle=dataclasses.replace(PARABOLA, indentation=None, force=10.0))
 
@@ -158,7 +170,7 @@ def stacked():
     return held_by_contacts(friction_coefficient=0.5)
 
 
-RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged)
+RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged, levered)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -314,6 +326,7 @@ BROKEN = {
     ("resultant", "part"): (glued, bulk(1.001)),
     ("stabilisation", ""): (loose, pushed_where_held),
     ("preload", ""): (tightened, stretched),
+    ("coupling", ""): (levered, stretched),
     ("action_and_reaction", ""): (stacked, handed_over_elsewhere),
     ("boundary_stress", ""): (strip, stress(0.5)),
     ("unseen_contact", ""): (between_points, lambda prepared, _: prepared.solution),
