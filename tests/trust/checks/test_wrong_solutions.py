@@ -14,7 +14,6 @@ from mpi4py import MPI
 from fenics_contact import (
     Check,
     Contact,
-    Coupling,
     Load,
     Material,
     Obstacle,
@@ -37,6 +36,7 @@ from fenics_contact.verification.boxes import Box, boxes
 from tests.contact.shuffled import Shuffled
 from tests.preload.joints import joint
 from tests.preload.test_joint import scene as bolted_joint
+from tests.problem.test_couplings import block, punch
 from tests.report.page.pages import page_of
 from tests.scenes import box_body
 from tests.wrong_answers import with_body
@@ -114,15 +114,9 @@ def tightened():
     return Run(bolted_joint(locked_from=None), COMM, joint())
 
 
-def levered():
-    """A strip on its bottom, whose end is rigid, pulled and turned."""
-    scene = Scene(
-        kinematics="plane strain",
-        material=MATERIAL,
-        support=(Support("x0", {"x": 0, "y": 0}),),
-        coupling=(Coupling("x1", force=(20, 1), moment=3),),
-    )
-    return Run(scene, COMM, box_body((32, 4), (4, 0.5)))
+def punched():
+    """A block on a rough plane, whose upper side is rigid, pressed and turned."""
+    return Run(punch(), COMM, block(6))
 
 
 def driven():
@@ -170,7 +164,7 @@ def stacked():
     return held_by_contacts(friction_coefficient=0.5)
 
 
-RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged, levered)
+RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged, punched)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -326,7 +320,7 @@ BROKEN = {
     ("resultant", "part"): (glued, bulk(1.001)),
     ("stabilisation", ""): (loose, pushed_where_held),
     ("preload", ""): (tightened, stretched),
-    ("coupling", ""): (levered, stretched),
+    ("coupling", ""): (punched, stretched),
     ("action_and_reaction", ""): (stacked, handed_over_elsewhere),
     ("boundary_stress", ""): (strip, stress(0.5)),
     ("unseen_contact", ""): (between_points, lambda prepared, _: prepared.solution),
