@@ -36,7 +36,8 @@ from fenics_contact.verification.boxes import Box, boxes
 from tests.contact.shuffled import Shuffled
 from tests.preload.joints import joint
 from tests.preload.test_joint import scene as bolted_joint
-from tests.problem.test_couplings import block, punch
+from tests.problem.test_couplings import block as divided
+from tests.problem.test_couplings import punch
 from tests.report.page.pages import page_of
 from tests.scenes import box_body
 from tests.wrong_answers import with_body
@@ -116,7 +117,7 @@ def tightened():
 
 def punched():
     """A block on a rough plane, whose upper side is rigid, pressed and turned."""
-    return Run(punch(), COMM, block(6))
+    return Run(punch(), COMM, divided(6))
 
 
 def driven():
