@@ -245,10 +245,12 @@ class PenaltyPath:
 
     Args:
         problem: The problem; contacts that stand for a give of their own are left as they are.
+        factors: By which penalties are softened one after the other; by default they begin as soft
+            as a slender body.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
+    def __init__(self, problem: Problem, factors: Sequence[float] = ()) -> None:
+        self._problem, self._factors = problem, factors
         self._contacts = [c for c in problem.contacts if c.is_one_sided and c.has_penalty]
         self._own = [contact.normal.penalty.softness for contact in self._contacts]
 
@@ -266,6 +268,11 @@ class PenaltyPath:
         Yields:
             Once for each, to be solved with.
         """
+        for factor in self._factors:
+            self._soften(factor)
+            yield
+        if self._factors:
+            return
         most = max((_most(contact) for contact in self._contacts), default=1.0)
         while most > 1:
             for contact, factor in zip(self._contacts, self._own, strict=True):
@@ -274,9 +281,9 @@ class PenaltyPath:
             most /= _HARDER
 
     @contextmanager
-    def softened(self, by: float) -> Iterator[None]:
-        """Have so many times softer penalties inside, then the contacts' own ones."""
-        self._soften(by)
+    def at_softest(self) -> Iterator[None]:
+        """Have the first of the given factors inside, then the contacts' own penalties."""
+        self._soften(self._factors[0])
         try:
             yield
         finally:

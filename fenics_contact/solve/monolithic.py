@@ -2,7 +2,7 @@
 
 Its tangent is not symmetric, as Coulomb friction has no energy. It starts from the adhesive start,
 all points stuck, with full steps; where friction alone holds bodies, from near the answer, and
-neighbours close by turns.
+steps under which the imbalance would grow are cut.
 """
 
 from __future__ import annotations
@@ -139,10 +139,7 @@ def monolithic(newton: Newton, start: Array, of_growth: bool = False) -> None:
         one.friction.regularisation.is_known or not p
         for one, p in zip(contacts, pressing, strict=True)
     ]
-    is_held = is_held_by_friction(newton.problem)
-    is_near = newton.begin.continues or not is_held  # else nothing tells which points touch
-    has_scale = any(contact.friction.regularisation.is_known for contact in contacts)
-    if all(known) and has_scale and is_near:
+    if all(known) and any(contact.friction.regularisation.is_known for contact in contacts):
         try:
             solve_coupled(newton, of_scale=True, of_growth=of_growth)
             return
@@ -153,7 +150,7 @@ def monolithic(newton: Newton, start: Array, of_growth: bool = False) -> None:
                 raise
             logger.info("%s; next: with the regularisation that this step needs", error)
             newton.restore(start)
-    if is_held:
+    if is_held_by_friction(newton.problem):
         try:
             near_friction(newton)
             solve_coupled(newton, of_growth=of_growth)

@@ -68,13 +68,13 @@ class Newton(SnesSolve):
             tolerance: Imbalance over the forces to accept; by default the scene's.
             hopeless: Asked before every step, by the number of those so far, for PETSc's reason to
                 give the solve up, 0 to go on; collective.
-            is_held: Whether friction or glue holds what contact does not: in full steps neighbours
-                close by turns, and springs come only where steps run far.
+            is_held: Whether friction or glue holds what contact does not: full steps are cut where
+                the imbalance would grow, and springs come only where steps run far.
 
         Raises:
             NotConvergedError: In words, with the history of the force imbalance.
         """
-        self._hopeless, self._is_held, self._closes_by_turns = hopeless, is_held, is_held
+        self._hopeless, self._is_held, self._cuts_growth = hopeless, is_held, is_held
         self._tolerance = tolerance or self.problem.scene.solver.tolerance
         self._searches = self._one_sided if search_energy is None else search_energy
         self._search = ENERGY_SEARCH
@@ -83,7 +83,7 @@ class Newton(SnesSolve):
             self._solve_patiently()
         finally:
             self._hopeless = None  # it may know who asks, and that knows this: a circle
-            self._closes_by_turns = False
+            self._cuts_growth = False
         if self._one_sided:
             left, forces = self.imbalances[-1], self.system.forces
             words = runaway(self.problem, self.system)
@@ -163,13 +163,16 @@ class Newton(SnesSolve):
         self.system.take(self.system.state)
 
     def take_steps(self, most: int) -> None:
-        """Take at most so many full steps from the present state, answer or not; collective."""
-        self._searches, self._springs = False, None
+        """Take at most so many full steps from the present state; collective.
+
+        They are cut where the imbalance would grow. Whether an answer is found does not matter.
+        """
+        self._searches, self._springs, self._cuts_growth = False, None, True
         self._tolerance, self._most = self.problem.scene.solver.tolerance, most
         try:
             self._solve_a_little()
         finally:
-            self._most = None
+            self._cuts_growth, self._most = False, None
 
     def _solve_a_little(self) -> None:
         """As many steps as are allowed; back to the start where they end nowhere; collective."""

@@ -21,7 +21,6 @@ from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.noise import round_off
 from fenics_contact.problem.problem import Problem
-from fenics_contact.solve.closing import ClosingByTurns
 from fenics_contact.solve.globalisation import (
     ENERGY_SEARCH,
     FULL_STEPS,
@@ -57,6 +56,9 @@ _PATIENCE = 3
 
 # Newton steps from which is noted what contact points do, for who reads that it failed.
 _LONG = 12
+
+# Steps with friction that are taken in full, whatever the imbalance after them.
+_IN_FULL = 8
 
 
 class SnesSolve:
@@ -99,13 +101,12 @@ class SnesSolve:
         self._searches = False
         self._search: dict[str, Any] = ENERGY_SEARCH
         self._springs: SpringControl | None = None
-        self._closes_by_turns = False
+        self._cuts_growth = False
         self._hopeless: Callable[[int], int] | None = None
         self._most: int | None = None
         self._fewest = 0
         # What is known of it on its way.
         self._damping = StepDamping()
-        self._closing: ClosingByTurns | None = None
         self._stopped = stopped or (lambda: False)
         self._is_stopped = False
         self._tiny = 0.0
@@ -155,8 +156,6 @@ class SnesSolve:
                 snes.solve(None, self.system.state)
                 reason = snes.getConvergedReason()
                 failure = mumps.failure_of(snes.getKSP().getPC()) if reason == NO_SOLVE else None
-                if self._closing is not None:
-                    self._closing.release()  # where no residual came after the last tangent
                 self.system.take(self.system.state)
             except PETSc.Error as error:
                 raise original(error) from None
@@ -211,11 +210,9 @@ class SnesSolve:
         snes.setTolerances(rtol=self._tolerance, atol=0.0, stol=0.0, max_it=most)
         system.prepare(snes)
         snes.setFromOptions()
-        by_turns = self._closes_by_turns and not self._searches
-        self._closing = ClosingByTurns(self.problem.contacts) if by_turns else None
         if not self._searches:
             self._damping = StepDamping()
-            snes.setLineSearchPreCheck(self._damp)
+            snes.setLineSearchPreCheck(self._damp_or_cut if self._cuts_growth else self._damp)
         elif self._search is THOROUGH_SEARCH:
             snes.setLineSearchPreCheck(self._cut)
         snes.setConvergenceTest(self._converged)
@@ -225,6 +222,26 @@ class SnesSolve:
         share = self._damping.share(self.imbalances[self._before :])
         step.scale(share)
         return share < 1.0
+
+    def _damp_or_cut(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
+        """Cut a full step under which the imbalance would grow; the first ones never; collective.
+
+        Many points open and close in the first steps, which full ones find soonest; later ones can
+        go round in circles. Contact and friction together have no energy, but what they do along a
+        step tells how far it leads as well: friction takes a part of the work that pressures do.
+        """
+        is_late = len(self.imbalances) - self._before > _IN_FULL
+        if is_late and self._imbalance_after(state, step) > self.imbalances[-1]:
+            return self._cut(state, step)
+        return self._damp(state, step)
+
+    def _imbalance_after(self, state: PETSc.Vec, step: PETSc.Vec) -> float:
+        """Force imbalance after a full step (it is taken off the state); collective."""
+        tried = state.duplicate()
+        tried.waxpy(-1.0, step, state)
+        self._set_residual(None, tried, self.system.residual)  # SNES sets it anew after the step
+        tried.destroy()
+        return self.system.imbalance()
 
     def _cut(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
         """Cut a Newton step (it is taken off the state) to where energy falls; collective."""
@@ -242,8 +259,6 @@ class SnesSolve:
 
     def _set_residual(self, snes: PETSc.SNES, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         with self.timings.phase("assemble"):
-            if self._closing is not None:
-                self._closing.release()
             self.system.balance(state, residual)
 
     def _set_tangent(
@@ -252,8 +267,6 @@ class SnesSolve:
         with self.timings.phase("assemble"):
             own, springs = self.imbalances[self._before :], self._springs
             share = 0.0 if springs is None else springs.share(own, self.system.forces)
-            if self._closing is not None and self._closing.hold_open():
-                self.system.balance(state, self.system.residual)  # what the step is to balance
             self.system.linearise(state, share)
 
     def _converged(

@@ -15,12 +15,13 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import NotConvergedError
-from fenics_contact.common.parallel import largest, total
+from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import TELLING, carries_more_than, is_open_or_carries
 from fenics_contact.problem.problem import Problem
@@ -89,16 +90,12 @@ def _needed(contact: ContactSurface, pressure: Array) -> float:
     return contact.friction.regularisation.needed(contact.friction_term.bound_of(pressure))
 
 
-# Stiffness of glue along the surface, over E/h: nothing is to have slipped yet. Along a curved
-# surface, as of a pin in a hole, glue would carry what is to be pressure, so that it opens: there
-# it is so soft that it only holds what nothing else does.
-_GLUE, _SOFT_GLUE = 1e4, 1e-2
-# Length of the mean of unit normals from which a surface is flat.
-_FLAT = 0.99
-# Where glue holds what friction has to hold: by how much softer penalties are, the imbalance over
-# the forces that is left, and share of a contact's force to which its pressures are to be known for
-# ε.
-_SOFTER = 30.0
+# Stiffness of glue along the surface, over E/h: nothing is to have slipped yet.
+_GLUE = 1e4
+# Where glue holds what friction has to hold: factors by which penalties are softened on the way,
+# Newton steps under each, the imbalance over the forces that is left under the softest, and share
+# of a contact's force to which its pressures are to be known for ε.
+_SOFTER, _STEPS = (30.0, 5.0), 3
 _ROUGH, _ROUGHLY = 1e-3, 0.1
 # Newton steps under glue up to which hardly a point opens or closes on the way.
 _EASY = 3
@@ -159,8 +156,7 @@ def _glue(problem: Problem) -> None:
     touch = [_touches(contact) for contact in problem.coulomb]
     for contact, touches in zip(problem.coulomb, touch, strict=True):
         contact.friction_term.exert_nothing()
-        glue = _GLUE if _is_flat(contact) else _SOFT_GLUE
-        stiffness = glue * contact.moduli.combined / contact.facet_size
+        stiffness = _GLUE * contact.moduli.combined / contact.facet_size
         contact.friction_term.glue(stiffness, _to_glue(contact, touches or not any(touch)))
 
 
@@ -179,7 +175,7 @@ def glued_where_it_slides(problem: Problem) -> Iterator[bool]:
     bounds = [contact.friction.bound.copy() for contact in problem.coulomb]
     _glue(problem)
     try:
-        with PenaltyPath(problem).softened(_SOFTER):
+        with PenaltyPath(problem, _SOFTER).at_softest():
             yield True
     finally:
         for contact, bound in zip(problem.coulomb, bounds, strict=True):
@@ -190,30 +186,27 @@ def glued_where_it_slides(problem: Problem) -> Iterator[bool]:
 def near_friction(newton: Newton) -> None:
     """Go to near contact with friction, where friction alone holds bodies; collective.
 
-    Glue tells the pressures, and by them ε, and which points touch. Where hardly any opens or
-    closes on the way, friction is nearer to where the step begins.
+    Glue tells the pressures, and by them ε; friction then begins where the step does, so that
+    nothing drifts.
 
     Args:
         newton: Goes on from its present state.
     """
     contacts, start, before = newton.problem.coulomb, newton.save(), newton.steps
-    with PenaltyPath(newton.problem).softened(_SOFTER):
+    path = PenaltyPath(newton.problem, _SOFTER)
+    with path.at_softest():
         contact_without_friction(newton, _ROUGH, _ROUGHLY, is_held=True)
         limit = newton.limit
         if not all([is_open_or_carries(contact, limit, _ROUGHLY) for contact in contacts]):
             contact_without_friction(newton, is_held=True)
-    if newton.steps - before <= _EASY:
-        newton.restore(start)
-    else:
-        newton.system.take(newton.system.state)
-
-
-def _is_flat(contact: ContactSurface) -> bool:
-    """Whether normals are about the same everywhere; collective."""
-    trace = contact.trace
-    mean = total(contact.spaces.comm, trace.normals[trace.owned].sum(axis=0))
-    count = total(contact.spaces.comm, float(trace.owned.sum()))
-    return float(np.linalg.norm(mean)) > _FLAT * float(count)
+    is_easy = newton.steps - before <= _EASY
+    newton.restore(start)
+    if is_easy:
+        return
+    for contact in contacts:
+        contact.friction_term.follow_pressure()
+    path.follow(partial(newton.take_steps, _STEPS))
+    newton.system.take(newton.system.state)
 
 
 def _touches(contact: ContactSurface) -> bool:
