@@ -59,7 +59,8 @@ if TYPE_CHECKING:
     from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.loading.inertia_kinds import Rotation
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
-    from fenics_contact.scene.loading.supports import FaceRotation, Support, SupportAxes
+    from fenics_contact.scene.loading.support_axes import SupportAxes
+    from fenics_contact.scene.loading.supports import FaceRotation, Support
     from fenics_contact.scene.obstacle import HalfSpace, Obstacle
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -173,7 +174,8 @@ _MODULES = {
     "scene.scene": ("Discretisation", "Scene"),
     "scene.loading.conditions": ("Load", "Point", "Preload"),
     "scene.loading.couplings": ("Coupling", "Spring"),
-    "scene.loading.supports": ("FaceRotation", "Support", "SupportAxes"),
+    "scene.loading.support_axes": ("SupportAxes",),
+    "scene.loading.supports": ("FaceRotation", "Support"),
     "scene.loading.inertia_kinds": ("Rotation",),
     "scene.settings": ("Accuracy", "SolverSettings", "Steps"),
     "scene.loading.cycles": ("Cycles",),

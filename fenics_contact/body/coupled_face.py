@@ -15,9 +15,9 @@ from dolfinx import fem
 
 from fenics_contact.body.description import CoupledGroup
 from fenics_contact.body.preloaded_part import ScalarForces
-from fenics_contact.body.spaces import Spaces, summed_over_ranks
+from fenics_contact.body.spaces import Spaces, summed_over_ranks, surface_integrals
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.scene.loading.couplings import Way, ways_of
@@ -29,7 +29,6 @@ class CoupledFace:
 
     Attributes:
         described: As in the scene.
-        dofs: All of its nodes, component after component (local indices, owned and ghost).
         at: The point that moves with it, (components,) (length).
         ways: In which it can move.
         reach: By which a rotation is multiplied to be a displacement (length).
@@ -48,12 +47,8 @@ class CoupledFace:
         self.described, size = described, spaces.components
         group = spaces.body.boundary(described.on, f"{key}.on")
         nodes = spaces.nodes(group).astype(np.int64)
-        self.dofs: Integers = (nodes * size + np.arange(size)[:, None]).ravel()
         measure = spaces.boundary(group, {"quadrature_degree": spaces.bulk_degree + 2})
-        area, *moments = (
-            float(total(spaces.comm, fem.assemble_scalar(form_cache.form(one * measure))))
-            for one in (spaces.weight, *(spaces.weight * spaces.position[i] for i in range(size)))
-        )
+        area, *moments = surface_integrals(spaces.position, measure, spaces)
         if not area > 0:
             raise InputError(f"{key}.on = '{described.on}': has no area")
         centroid = np.array(moments) / area

@@ -13,7 +13,7 @@ from typing import Literal
 
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.loading.couplings import GROUND, Spring, Way
-from fenics_contact.scene.loading.supports import SupportAxes
+from fenics_contact.scene.loading.support_axes import SupportAxes
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Kinematics, Value
 

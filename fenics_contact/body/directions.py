@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import Literal
 
 import numpy as np
 import ufl
@@ -15,7 +16,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.mesh.tagged_mesh import Group
-from fenics_contact.scene.loading.supports import SupportAxes
+from fenics_contact.scene.loading.support_axes import SupportAxes
 
 # Of the extent of a boundary, by which its nodes may be off a plane or a cylinder.
 _OFF = 1e-6
@@ -99,12 +100,12 @@ class AroundAxis(Directions):
 
 
 def directions_of(
-    axes: SupportAxes | str | None, group: Group, key: str, spaces: Spaces
+    axes: SupportAxes | Literal["normal"], group: Group, key: str, spaces: Spaces
 ) -> Directions:
     """Return the directions of a support's springs; collective.
 
     Args:
-        axes: Of its components; None for those of the mesh, ``normal`` for that of the boundary.
+        axes: Of its components, or ``normal`` for that of the boundary.
         group: The boundary.
         key: Of the support, for messages.
         spaces: Those of the body.
@@ -113,10 +114,8 @@ def directions_of(
         InputError: The normal is asked for of a boundary that is neither plane nor a cylinder.
     """
     size = spaces.components
-    if isinstance(axes, str):
+    if axes == "normal":
         return _outward(_across(group, key, spaces), group, spaces)
-    if axes is None:
-        return Frame(np.eye(size), spaces)
     if axes.cylindrical is not None:
         axis = np.array(axes.cylindrical, dtype=np.float64)
         centre = np.zeros(size) if axes.at is None else np.array(axes.at, dtype=np.float64)
@@ -153,11 +152,15 @@ def _flattest(group: Group, spaces: Spaces) -> Array:
     """The direction that the normals of a boundary have least of, (3,): z in the plane."""
     if spaces.components == 2:
         return np.array([0.0, 0.0, 1.0])
-    normal, on = ufl.FacetNormal(spaces.body.mesh), spaces.boundary(group)
-    pairs = [(i, j) for i in range(3) for j in range(3)]
-    shares = [fem.assemble_scalar(form_cache.form(normal[i] * normal[j] * on)) for i, j in pairs]
-    found = np.asarray(total(spaces.comm, np.array(shares))).reshape(3, 3)
-    return np.asarray(np.linalg.eigh(found)[1][:, 0])
+    mesh = spaces.body.mesh
+    normal, on = ufl.FacetNormal(mesh), spaces.boundary(group)
+    one, other = (fem.Constant(mesh, np.zeros(3)) for _ in range(2))
+    form = form_cache.form(ufl.dot(normal, one) * ufl.dot(normal, other) * on)
+    shares = np.zeros((3, 3))
+    for i, j in np.ndindex(3, 3):
+        one.value[:], other.value[:] = np.eye(3)[[i, j]]
+        shares[i, j] = fem.assemble_scalar(form)
+    return np.asarray(np.linalg.eigh(total(spaces.comm, shares))[1][:, 0])
 
 
 def _cylinder(places: Array, guess: Array) -> tuple[Array, Array, float]:

@@ -21,9 +21,10 @@ from fenics_contact.body.connected_parts import Parts
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import measure_weight
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError
-from fenics_contact.common.parallel import largest, raise_together, smallest
+from fenics_contact.common.parallel import largest, raise_together, smallest, total
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.scene.values import Value
 
@@ -212,6 +213,27 @@ class Spaces:
         vector.scatter_reverse(la.InsertMode.add)
         vector.scatter_forward()
         return np.asarray(vector.array.reshape(-1, self.components).copy())
+
+
+def surface_integrals(vector: Expr, measure: ufl.Measure, spaces: Spaces) -> Array:
+    """∫ 1 and ∫ v_i over a surface, weighted, by one compiled form; collective.
+
+    Args:
+        vector: v in UFL, (components,).
+        measure: Of the surface.
+        spaces: Those of the body.
+
+    Returns:
+        (1 + components,).
+    """
+    mesh = spaces.body.mesh
+    of_one, of_vector = fem.Constant(mesh, 0.0), fem.Constant(mesh, np.zeros(spaces.components))
+    density = of_one + ufl.dot(of_vector, vector)
+    form, found = form_cache.form(spaces.weight * density * measure), []
+    for unit in np.eye(1 + spaces.components):
+        of_one.value, of_vector.value[:] = unit[0], unit[1:]
+        found.append(float(np.real(fem.assemble_scalar(form))))
+    return np.asarray(total(spaces.comm, np.array(found)))
 
 
 def of_owners(index_map: IndexMap, nodal: Array) -> Array:

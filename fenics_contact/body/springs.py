@@ -19,7 +19,7 @@ from ufl.core.expr import Expr
 
 from fenics_contact.body.description import SpringGroup
 from fenics_contact.body.directions import directions_of
-from fenics_contact.body.spaces import Spaces
+from fenics_contact.body.spaces import Spaces, surface_integrals
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import AnyIntegers, Array
@@ -150,10 +150,8 @@ class Springs:
             displacement: At the nodes of this rank, (nodes, components) (length).
         """
         self._moved.x.array[:] = displacement.reshape(-1)
-        spaces, on = self._spaces, self._measure
-        rows = [spaces.weight * self._moved[i] * on for i in range(spaces.components)]
-        sums = [fem.assemble_scalar(form_cache.form(row)) for row in rows]
-        return [float(x) for x in total(spaces.comm, np.array(sums)) / self.area]
+        _, *sums = surface_integrals(self._moved, self._measure, self._spaces)
+        return [float(x) / self.area for x in sums]
 
     def pull(self, stretch: Array) -> Array:
         """Nodal forces ∫ k_i (d_i · u) d_i φ that stretch the springs by u; collective (force).

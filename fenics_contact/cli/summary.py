@@ -175,7 +175,8 @@ def _conditions(scene: Scene) -> list[str]:
             for key in ("stiffness", "rotational_stiffness")
             if (value := getattr(spring, key)) is not None
         ]
-        lines.append(f"Spring between '{one}' and '{other}': {', '.join(said)}")
+        called = "" if spring.name is None else f" '{spring.name}'"
+        lines.append(f"Spring{called} between '{one}' and '{other}': {', '.join(said)}")
     for part in registry.parts_of_scene(scene, "words"):
         lines += part.WORDS.plan(scene, names)
     return lines

@@ -12,7 +12,7 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.existence.rigid_slip import motions_along, smooth_closing
-from fenics_contact.problem.loads.couplings import FaceMotion
+from fenics_contact.problem.loads.couplings import CoupledMotions
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
 
@@ -46,7 +46,7 @@ class RigidMotions:
         self._names, self._fields = problem.discrete.once(
             "rigid motions", partial(_of_parts, spaces)
         )
-        self._faces = CoupledMotions(problem, self._fields)
+        self._faces = CoupledMotions(problem.body_scalars, problem.elastic, spaces, self._fields)
         free = self._kept_combinations()
         self._body = free[: self._fields.shape[-1]]
         self._obstacles = free[self._fields.shape[-1] :]
@@ -304,41 +304,6 @@ class RigidMotions:
             if abs(share) > _NAMED * scale:
                 words.append(f"the obstacle at '{contact.label}'")
         return ", ".join(words)
-
-
-class CoupledMotions:
-    """How coupled faces move in rigid motions of the body, by their ways; collective.
-
-    Attributes:
-        given: Whether each way is given, so that it holds the body.
-        held: These ways in each motion, and what springs between faces resist, on the first rank,
-            (rows, motions).
-        work: Work of the forces and moments of couplings on each motion, (motions,)
-            (force × length).
-
-    Args:
-        problem: The model.
-        fields: Displacements of the motions, (nodes, components, motions).
-    """
-
-    def __init__(self, problem: Problem, fields: Array) -> None:
-        motions = [one for one in problem.body_scalars if isinstance(one, FaceMotion)]
-        self.given = [one.is_locked for one in motions]
-        self.held, self.work = np.zeros((0, fields.shape[-1])), np.zeros(fields.shape[-1])
-        if not motions:
-            return
-        own, comm = slice(problem.spaces.owned_nodes), problem.comm
-        moved = np.array([one.moved[own] for one in motions])
-        gram = total(comm, np.einsum("inc,jnc->ij", moved, moved))
-        products = total(comm, np.einsum("inc,ncm->im", moved, fields[own]))
-        ways = np.linalg.pinv(np.asarray(gram), hermitian=True) @ products
-        ways[np.abs(ways) <= 1e-12 * np.abs(ways).max()] = 0.0
-        self.work = np.array([one.own_force for one in motions]) @ ways
-        if comm.rank == 0:
-            first = len(problem.body_scalars) - len(motions)
-            springs = problem.elastic.joint_stiffness[first:, first:]
-            sprung = springs @ ways / (np.abs(springs).max() or 1.0)
-            self.held = np.concatenate([ways[np.array(self.given, dtype=bool)], sprung])
 
 
 def _of_parts(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:

@@ -122,7 +122,6 @@ def _require_couplings(scene: CoreScene) -> None:
     """Refuse couplings that a model cannot have, or that share names."""
     for number, coupling in enumerate(scene.coupling):
         key = f"coupling[{number}]"
-        coupling.require_model(scene.kinematics, key)
         for name in ("at", "force"):
             given = getattr(coupling, name)
             if given is not None and len(given) != scene.dimension:
@@ -130,6 +129,7 @@ def _require_couplings(scene: CoreScene) -> None:
                     f"{key}.{name} has {len(given)} entries; a {scene.kinematics} model needs "
                     f"{scene.dimension}"
                 )
+        coupling.require_model(scene.kinematics, key)
     labels = [coupling.label for coupling in scene.coupling]
     for number, spring in enumerate(scene.spring):
         spring.require_model(scene.kinematics, labels, f"spring[{number}]")

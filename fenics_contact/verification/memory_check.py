@@ -23,7 +23,7 @@ from mpi4py import MPI
 from fenics_contact import Body, Contact, Discretisation, Material, Scene, SolverSettings, Support
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import environment_alone, on_root
-from fenics_contact.scene.loading.supports import ComponentName
+from fenics_contact.scene.loading.support_axes import ComponentName
 from fenics_contact.scene.values import AXES
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.case import Case, Finding

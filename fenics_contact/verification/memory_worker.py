@@ -30,7 +30,7 @@ from fenics_contact import (
 )
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.parallel import total
-from fenics_contact.scene.loading.supports import ComponentName
+from fenics_contact.scene.loading.support_axes import ComponentName
 from fenics_contact.scene.values import AXES
 from fenics_contact.scene.values import Path as LoadPath
 from fenics_contact.simulation.scene_run import Run

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import ClassVar, cast
 
 import numpy as np
 from ufl.core.expr import Expr
 
 from fenics_contact.body.coupled_face import CoupledFace, MotionForces
+from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
@@ -163,3 +166,46 @@ def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
             forces = cast(MotionForces, next(motions))
             found.append(FaceMotion(coupling, f"coupling[{number}]", face, way, forces, across))
     return found
+
+
+class CoupledMotions:
+    """How coupled faces move in rigid motions of the body, by their ways; collective.
+
+    Attributes:
+        given: Whether each way is given, so that it holds the body.
+        held: These ways in each motion, and what springs between faces resist, on the first rank,
+            (rows, motions).
+        work: Work of the forces and moments of couplings on each motion, (motions,)
+            (force × length).
+
+    Args:
+        scalars: Of the body, those of faces last.
+        elastic: Energy of the body, with the springs between faces.
+        spaces: Those of the body.
+        fields: Displacements of the motions, (nodes, components, motions).
+    """
+
+    def __init__(
+        self,
+        scalars: Sequence[BodyScalar],
+        elastic: ElasticBody,
+        spaces: Spaces,
+        fields: Array,
+    ) -> None:
+        motions = [one for one in scalars if isinstance(one, FaceMotion)]
+        self.given = [one.is_locked for one in motions]
+        self.held, self.work = np.zeros((0, fields.shape[-1])), np.zeros(fields.shape[-1])
+        if not motions:
+            return
+        own, comm = slice(spaces.owned_nodes), spaces.comm
+        moved = np.array([one.moved[own] for one in motions])
+        gram = total(comm, np.einsum("inc,jnc->ij", moved, moved))
+        products = total(comm, np.einsum("inc,ncm->im", moved, fields[own]))
+        ways = np.linalg.pinv(np.asarray(gram), hermitian=True) @ products
+        ways[np.abs(ways) <= 1e-12 * np.abs(ways).max()] = 0.0
+        self.work = np.array([one.own_force for one in motions]) @ ways
+        if comm.rank == 0:
+            first = len(scalars) - len(motions)
+            springs = elastic.joint_stiffness[first:, first:]
+            sprung = springs @ ways / (np.abs(springs).max() or 1.0)
+            self.held = np.concatenate([ways[np.array(self.given, dtype=bool)], sprung])

@@ -184,6 +184,8 @@ class Spring:
         Field(description="moment over rotation (radian); likewise, in plane models about `z`"),
     ] = None
 
+    name: Annotated[Text | None, Field(description="name in words about the scene")] = None
+
     def __post_init__(self) -> None:
         if self.stiffness is None and self.rotational_stiffness is None:
             raise ValueError("give stiffness or rotational_stiffness")

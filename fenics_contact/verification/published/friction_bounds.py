@@ -13,7 +13,8 @@ from fenics_contact.results.result import Result
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.laws.friction_laws import MicroSlipFriction, SlipDependentFriction
-from fenics_contact.scene.loading.supports import ComponentName, Support
+from fenics_contact.scene.loading.support_axes import ComponentName
+from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.scene import Discretisation, Scene
 from fenics_contact.scene.settings import Steps
 from fenics_contact.scene.values import AXES, CONSTANT, Path, Profile
