@@ -103,3 +103,15 @@ def test_the_public_names_are_where_they_are_said_to_be():
     assert sorted(PUBLIC) == dir(fenics_contact)
     with pytest.raises(AttributeError, match="has no attribute 'Scenes'"):
         fenics_contact.Scenes  # noqa: B018
+
+
+def test_docstrings_of_properties_are_no_types():
+    """Sphinx takes what stands before a colon in the first line of a property for its type."""
+    properties = [
+        (f"{name}.{key}", found)
+        for name in PUBLIC
+        if inspect.isclass(thing := getattr(fenics_contact, name))
+        for key, found in inspect.getmembers(thing, lambda part: isinstance(part, property))
+    ]
+    first = {name: (inspect.getdoc(found) or "").split("\n")[0] for name, found in properties}
+    assert properties and [name for name, line in first.items() if ": " in line] == []
