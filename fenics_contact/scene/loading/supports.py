@@ -214,7 +214,7 @@ class Support:
 
     @property
     def is_rigid(self) -> bool:
-        """Whether the scene gives no stiffness, so that what it says is held by springs or exactly."""
+        """Whether the scene gives no stiffness, so that springs or conditions hold what it says."""
         return self.stiffness is None and self.foundation_stiffness is None
 
     @property
