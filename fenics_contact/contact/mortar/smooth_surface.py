@@ -31,6 +31,8 @@ _OWN = 1e3
 # Power of the distance, in the facet's radii, with which other nodes count less: what the surface
 # is beyond the polynomial's degree grows with the distance, and is not to turn what is near.
 _FADING = 4
+# Facets whose polynomials are made at a time.
+_AT_A_TIME = 2000
 # Rings of neighbours, at the most, until there are enough nodes: at ends of the surface two.
 _RINGS = 3
 # Distances over the facet's radius that are round-off of coordinates.
@@ -46,8 +48,10 @@ class SmoothSurface:
 
     def __init__(self, facets: FacetMesh) -> None:
         self._facets = facets
-        self._fits: dict[int, Array] = {}
-        self._smooth: dict[int, list[int]] = {}
+        self._wanted = _DEGREES[facets.dimension][facets.order]
+        # Of the height of each facet; of lower degrees the further ones are 0.
+        self._fits = np.zeros((len(facets.nodes), self._coefficients(self._wanted)))
+        self._is_fitted = np.zeros(len(facets.nodes), dtype=bool)
 
     def offsets(self, facet: AnyIntegers, reference: Array) -> Array:
         """How far the curve lies outside of points on facets, (points,) (length).
@@ -61,11 +65,9 @@ class SmoothSurface:
             return found
         local = self._local(facet, self._facets.positions(facet, reference))
         turning = np.flatnonzero(self._turns[facet])
-        turning = turning[np.argsort(facet[turning], kind="stable")]
-        numbers, firsts = np.unique(facet[turning], return_index=True)
-        for number, at in zip(numbers.tolist(), np.split(turning, firsts)[1:], strict=True):
-            powers = _powers(local[at, :-1], self._degree(number))
-            found[at] = powers @ self._fits[number] - local[at, -1]
+        fits = self._fitted(facet[turning])
+        powers = _powers(local[turning, :-1], self._wanted)
+        found[turning] = np.einsum("pm,pm->p", powers, fits) - local[turning, -1]
         return found * self._facets.radii[facet]
 
     def at_nodes(self) -> Array:
@@ -121,45 +123,72 @@ class SmoothSurface:
             found = share_node @ found > 0
         return np.asarray(found)
 
-    def _degree(self, number: int) -> int:
-        """Degree of the polynomial of a facet, which is made when it is first asked for."""
-        if number not in self._fits:
-            self._fits[number] = self._fit(number)
-        dimension, count = self._facets.dimension - 1, len(self._fits[number])
-        return next(d for d in range(1, 5) if len(_exponents(dimension, d)) == count)
+    def _fitted(self, numbers: AnyIntegers) -> Array:
+        """Polynomials of facets, (facets, coefficients); each is made when it is asked for first.
 
-    def _fit(self, number: int) -> Array:
-        """Coefficients of the height over the facet's middle plane, in its radii."""
-        dimension = self._facets.dimension
-        wanted = _DEGREES[dimension][self._facets.order]
-        own = self._node_numbers[number]
-        others = np.setdiff1d(
-            self._nodes_around(number, len(_exponents(dimension - 1, wanted))), own
-        )
-        nodes = np.concatenate([own, others])
-        degree = max(
-            d for d in range(1, wanted + 1) if len(_exponents(dimension - 1, d)) <= len(nodes)
-        )
-        local = self._local(np.full(len(nodes), number), self._places[nodes])
-        distances = np.maximum(np.linalg.norm(local[:, :-1], axis=1), 1.0)
-        weights = np.where(np.arange(len(nodes)) < len(own), _OWN, distances**-_FADING)
-        powers = _powers(local[:, :-1], degree)
-        found, *_ = np.linalg.lstsq(weights[:, None] * powers, weights * local[:, -1], rcond=None)
-        return np.asarray(found)
-
-    def _nodes_around(self, number: int, enough: int) -> AnyIntegers:
-        """Geometry nodes of a facet and of those around it that no edge parts from it.
-
-        Without those that are turned so far that no height over this facet describes them well.
+        Args:
+            numbers: Of the facets, (facets,); those of one may stand there several times.
         """
-        rings, normals = {number}, self._frames[:, -1]
+        missing = np.unique(numbers[~self._is_fitted[numbers]])
+        for first in range(0, len(missing), _AT_A_TIME):
+            self._fit(missing[first : first + _AT_A_TIME])
+        return np.asarray(self._fits[numbers])
+
+    def _fit(self, numbers: AnyIntegers) -> None:
+        """Find the heights of facets over their middle planes, in their radii.
+
+        By least squares, of all facets with polynomials of the same degree together. Where several
+        are as near, by the one with the least coefficients.
+
+        Args:
+            numbers: Of the facets, (facets,), each once.
+        """
+        dimension = self._facets.dimension - 1
+        own, nodes = self._node_numbers[numbers], self._nodes_around(numbers)
+        counts = (nodes >= 0).sum(axis=1)
+        is_own = (nodes[:, :, None] == own[:, None, :]).any(axis=2)
+        where = np.repeat(numbers, nodes.shape[1])
+        local = self._local(where, self._places[nodes.ravel()]).reshape(*nodes.shape, -1)
+        distances = np.maximum(np.linalg.norm(local[..., :-1], axis=-1), 1.0)
+        weights = np.where(is_own, _OWN, distances**-_FADING) * (nodes >= 0)
+        sizes = [self._coefficients(degree) for degree in range(self._wanted + 1)]
+        degrees = np.searchsorted(sizes, counts, side="right") - 1
+        for degree in np.unique(degrees).tolist():
+            rows = np.flatnonzero(np.minimum(degrees, self._wanted) == degree)
+            powers = _powers(local[rows, :, :-1].reshape(-1, dimension), degree)
+            powers = powers.reshape(len(rows), nodes.shape[1], -1)
+            heights = local[rows, :, -1]
+            found = _least_squares(powers, heights, weights[rows], counts[rows])
+            self._fits[numbers[rows], : sizes[degree]] = found
+        self._is_fitted[numbers] = True
+
+    def _coefficients(self, degree: int) -> int:
+        """Number of coefficients of a polynomial."""
+        return len(_exponents(self._facets.dimension - 1, degree))
+
+    def _nodes_around(self, numbers: AnyIntegers) -> AnyIntegers:
+        """Geometry nodes of facets and of those around each that no edge parts from it.
+
+        Without those that are turned so far that no height over the facet describes them well.
+
+        Args:
+            numbers: Of the facets, (facets,).
+
+        Returns:
+            (facets, most nodes), −1 for none.
+        """
+        normals, every = self._frames[:, -1], np.arange(len(numbers))
+        shape = len(numbers), len(normals)
+        rings = csr_matrix((np.ones(len(numbers)), (every, numbers)), shape=shape)
+        growing = np.ones(len(numbers), dtype=bool)
         for _ in range(_RINGS):
-            around = {other for facet in rings for other in self._neighbours(facet)}
-            rings |= {other for other in around if normals[other] @ normals[number] > _EDGE}
-            nodes = np.unique(self._node_numbers[sorted(rings)])
-            if len(nodes) >= enough:
-                break
-        return nodes
+            of, other = (rings @ self._goes_on).nonzero()
+            kept = growing[of] & (_dots(normals[numbers[of]], normals[other]) > _EDGE)
+            grown = np.ones(kept.sum()), (of[kept], other[kept])
+            rings = rings + csr_matrix(grown, shape=shape)
+            nodes = csr_matrix(rings @ self._has_node)
+            growing = np.diff(nodes.indptr) < self._fits.shape[1]
+        return _padded(nodes)
 
     @cached_property
     def _numbering(self) -> tuple[Array, AnyIntegers]:
@@ -180,48 +209,59 @@ class SmoothSurface:
     def _node_numbers(self) -> AnyIntegers:
         return self._numbering[1]
 
-    def _neighbours(self, facet: int) -> list[int]:
-        """Neighbours of a facet by a node, that go on from it smoothly."""
-        if facet not in self._smooth:
-            near = self._near[facet]
-            near = near[near >= 0]
-            self._smooth[facet] = near[self._go_on(facet, near)].tolist()
-        return self._smooth[facet]
+    @cached_property
+    def _has_node(self) -> csr_matrix:
+        """Which geometry nodes facets have, (facets, nodes)."""
+        numbers = self._node_numbers
+        facet = np.repeat(np.arange(len(numbers)), numbers.shape[1])
+        return csr_matrix((np.ones(facet.size), (facet, numbers.ravel())))
 
     @cached_property
     def _share_node(self) -> csr_matrix:
         """How many nodes any two facets share, (facets, facets); also a facet with itself."""
-        numbers = self._node_numbers
-        facet = np.repeat(np.arange(len(numbers)), numbers.shape[1])
-        has_node = csr_matrix((np.ones(facet.size), (facet, numbers.ravel())))
-        return csr_matrix(has_node @ has_node.T)
+        return csr_matrix(self._has_node @ self._has_node.T)
 
     @cached_property
-    def _near(self) -> AnyIntegers:
-        """All other facets with a node of each facet, (facets, most of them); −1 for none."""
-        one, other = self._share_node.nonzero()
-        one, other = one[one != other], other[one != other]
-        counts = np.bincount(one, minlength=len(self._node_numbers))
-        found = np.full((len(counts), counts.max(initial=0)), -1)
-        found[np.arange(found.shape[1]) < counts[:, None]] = other[np.argsort(one, kind="stable")]
-        return found
+    def _goes_on(self) -> csr_matrix:
+        """Facets with a node of each facet that go on from it smoothly, (facets, facets).
 
-    def _go_on(self, facet: int, near: AnyIntegers) -> Flags:
-        """Whether there is no edge between a facet and each of others near it, (others,).
+        Of those alone from which the rings around facets that turn grow.
+        """
+        grows = self._turns
+        for _ in range(_RINGS - 1):
+            grows = self._share_node @ grows > 0
+        one, other = self._share_node.nonzero()
+        kept = grows[one] & (one != other)
+        one, other = one[kept], other[kept]
+        kept = self._go_on(one, other)
+        entries = np.ones(kept.sum()), (one[kept], other[kept])
+        return csr_matrix(entries, shape=self._share_node.shape)
+
+    def _go_on(self, one: AnyIntegers, other: AnyIntegers) -> Flags:
+        """Whether there is no edge between facets that share a node, (pairs,).
 
         A curve turns at every node. Where all around is parallel to one facet or to the other,
         there is an edge between the two, however blunt.
+
+        Args:
+            one: One facet of each pair, (pairs,).
+            other: The other, likewise.
         """
         normals = self._frames[:, -1]
-        own, others = normals[facet], normals[near]
-        around = np.concatenate([np.tile(near, (len(near), 1)), self._near[near]], axis=1)
-        counts = (around >= 0) & (around != facet) & (around != near[:, None])
-        turn = np.linalg.norm(others - own, axis=1)
-        from_own = np.linalg.norm(normals[around] - own, axis=2)
-        from_other = np.linalg.norm(normals[around] - others[:, None], axis=2)
-        apart = np.minimum(from_own, from_other) > _PARALLEL * turn[:, None]
-        is_smooth = (turn <= _FLAT) | ~counts.any(axis=1) | (apart & counts).any(axis=1)
-        return np.asarray(is_smooth & (others @ own > _EDGE))
+        is_smooth = _dots(normals[one], normals[other]) > _EDGE
+        turn = np.linalg.norm(normals[other] - normals[one], axis=1)
+        asked = np.flatnonzero(is_smooth & (turn > _FLAT))
+        near = _padded(self._share_node)
+        for first in range(0, len(asked), _AT_A_TIME):
+            pairs = asked[first : first + _AT_A_TIME]
+            own, next_to = one[pairs, None], other[pairs, None]
+            around = np.concatenate([near[own[:, 0]], near[next_to[:, 0]]], axis=1)
+            counts = (around >= 0) & (around != own) & (around != next_to)
+            from_own = np.linalg.norm(normals[around] - normals[own], axis=2)
+            from_other = np.linalg.norm(normals[around] - normals[next_to], axis=2)
+            apart = np.minimum(from_own, from_other) > _PARALLEL * turn[pairs, None]
+            is_smooth[pairs] = ~counts.any(axis=1) | (apart & counts).any(axis=1)
+        return np.asarray(is_smooth)
 
     @cached_property
     def _frames(self) -> Array:
@@ -256,3 +296,37 @@ def _powers(points: Array, degree: int) -> Array:
     np.cumprod(np.broadcast_to(points, (degree, count, dimension)), axis=0, out=each[1:])
     exponents = np.array(_exponents(dimension, degree))
     return np.asarray(np.prod([each[exponents[:, i], :, i] for i in range(dimension)], axis=0).T)
+
+
+def _dots(one: Array, other: Array) -> Array:
+    """Products of vectors with vectors, (vectors,)."""
+    return np.asarray(np.einsum("vi,vi->v", one, other))
+
+
+def _padded(matrix: csr_matrix) -> AnyIntegers:
+    """Columns with entries in each row, (rows, most of them); −1 for none."""
+    counts = np.diff(matrix.indptr)
+    found = np.full((len(counts), counts.max(initial=0)), -1)
+    found[np.arange(found.shape[1]) < counts[:, None]] = matrix.indices
+    return found
+
+
+def _least_squares(powers: Array, heights: Array, weights: Array, counts: AnyIntegers) -> Array:
+    """Coefficients of polynomials that are nearest to heights, (polynomials, coefficients).
+
+    The least ones where several are as near, to what round-off can tell.
+
+    Args:
+        powers: Monomials at the points, (polynomials, points, coefficients).
+        heights: There, (polynomials, points).
+        weights: Of these, likewise; 0 of points that are none.
+        counts: How many points there are, (polynomials,).
+    """
+    size = powers.shape[-1]
+    both = weights[..., None] * np.concatenate([powers, heights[..., None]], axis=-1)
+    triangle = np.linalg.qr(both, mode="r")
+    left, values, right = np.linalg.svd(triangle[:, :size, :size])
+    least = np.finfo(float).eps * counts[:, None] * values[:, :1]
+    inverse = np.divide(1.0, values, out=np.zeros_like(values), where=values > least)
+    shares = inverse * np.einsum("fij,fi->fj", left, triangle[:, :size, size])
+    return np.asarray(np.einsum("fij,fi->fj", right, shares))

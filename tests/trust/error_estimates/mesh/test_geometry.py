@@ -25,7 +25,7 @@ from fenics_contact import (
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, reference_nodes
-from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
+from fenics_contact.contact.mortar.smooth_surface import SmoothSurface, _least_squares
 from fenics_contact.evaluate.contact_quantities import contact_quantities
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.problem.curved_sides import CurvedSides
@@ -283,7 +283,7 @@ def test_flat_sides_take_no_polynomials_and_miss_what_these_say(monkeypatch):
     made = []
     fit = SmoothSurface._fit
     monkeypatch.setattr(
-        SmoothSurface, "_fit", lambda self, number: made.append(number) or fit(self, number)
+        SmoothSurface, "_fit", lambda self, numbers: made.extend(numbers) or fit(self, numbers)
     )
     scene = Scene(kinematics="3D", material=Material(1000, 0.3))
     block, curved = box_body((3, 3, 2), (1, 1, 1)), ring((4, 9, 3))
@@ -297,6 +297,20 @@ def test_flat_sides_take_no_polynomials_and_miss_what_these_say(monkeypatch):
     made.clear()
     assert missed(Spaces(BodyDescription.of(scene), curved)) == pytest.approx(few, rel=1e-12)
     assert 0 < chosen < COMM.allreduce(len(made))
+
+
+def test_polynomials_found_together_are_those_of_each_alone():
+    """Of points of any number, also where they say too little for all coefficients."""
+    random = np.random.default_rng(1)
+    counts, size = np.array([6, 9, 14, 9]), 6
+    powers, heights = random.normal(size=(4, 14, size)), random.normal(size=(4, 14))
+    powers[3, :, 4] = powers[3, :, 1] + powers[3, :, 2]
+    weights = random.uniform(0.1, 1e3, (4, 14)) * (np.arange(14) < counts[:, None])
+    found = _least_squares(powers, heights, weights, counts)
+    for number, count in enumerate(counts):
+        one, weight = powers[number, :count], weights[number, :count]
+        alone, *_ = np.linalg.lstsq(weight[:, None] * one, weight * heights[number, :count])
+        np.testing.assert_allclose(found[number], alone, rtol=1e-9)
 
 
 def test_what_lies_between_quadratic_facets_and_the_curve():
