@@ -40,6 +40,7 @@ def row_of(random: RandomScene, outcome: Outcome) -> dict[str, Any]:
         "slips_and_sticks": outcome.mixed,
         "seconds": outcome.seconds,
         "words": outcome.words,
+        "faults": list(outcome.faults),
         "quantities": {},
     }
     if result is None:
@@ -70,6 +71,11 @@ def quantities_of(result: Result) -> dict[str, list[Any]]:
         found |= _with_bars(f"{contact['name']}.", contact["quantities"], contact.get("errors"))
     for name, reaction, errors in _reactions(result):
         found |= _with_bars(f"{name}.", {"reaction": reaction}, errors)
+    for coupling in result.couplings:
+        moved = {"displacement": coupling.displacement, "rotation": coupling.rotation}
+        for name, values in moved.items():
+            bar = (coupling.errors.get(name) or {}).get("total")
+            found |= {f"{coupling.name}.{name}": [values, bar]} if values else {}
     derived = {}
     for name, (values, bar) in found.items():
         if name.endswith("contact_force"):

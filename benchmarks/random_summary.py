@@ -56,6 +56,11 @@ def failures(rows: list[Row]) -> list[str]:
         or (_is_not_trusted(row) and row["number"] not in too_coarse)
         or not row.get("finite", True)
     ]
+    found += [
+        f"{row['number']} ({row['kind']}), {row['ranks']} ranks: {text}"
+        for row in rows
+        for text in row.get("faults", ())
+    ]
     found += against_statics(rows) + rank_differences(rows) + solver_differences(rows)
     return found + [f"wrong and passed: {words(change)}" for change in wrong(rows, listed=False)]
 

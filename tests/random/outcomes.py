@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from fenics_contact import FenicsContactError, Result, run
+from fenics_contact import FenicsContactError, Result, Run
+from tests.random.balances import faults
 from tests.random.scenes import RandomScene
 
 ANSWERED, UNTRUSTED = 0, 4
@@ -24,6 +25,7 @@ class Outcome:
         seconds: Of this rank, mesh and compilation included.
         mixed: Whether some contact slips and sticks at once.
         result: None after an error.
+        faults: What of an answer with couplings does not balance, in words.
     """
 
     code: int
@@ -31,6 +33,7 @@ class Outcome:
     seconds: float
     mixed: bool = False
     result: Result | None = None
+    faults: tuple[str, ...] = ()
 
     @property
     def finite(self) -> bool:
@@ -48,12 +51,16 @@ def outcome_of(random: RandomScene, comm: MPI.Comm = MPI.COMM_WORLD) -> Outcome:
     """Solve a scene; an error that is not typed goes through; collective."""
     start = time.monotonic()
     try:
-        result = run(random.scene, comm, random.body(comm))
+        solved = Run(random.scene, comm, random.body(comm))
+        result = solved.solve()
     except FenicsContactError as error:
         words = f"{type(error).__name__}: {error}"
         return Outcome(error.exit_code, words, time.monotonic() - start)
     seconds = time.monotonic() - start
-    return Outcome(result.exit_code, result.verdict, seconds, slips_and_sticks(result), result)
+    mixed, wrong = slips_and_sticks(result), list[str]()
+    if random.scene.coupling and result.exit_code == ANSWERED:
+        wrong = faults(solved, result)
+    return Outcome(result.exit_code, result.verdict, seconds, mixed, result, tuple(wrong))
 
 
 def slips_and_sticks(result: Result) -> bool:

@@ -12,6 +12,7 @@ from tests.random.kinds.assemblies import assembly
 from tests.random.kinds.common import completed
 from tests.random.kinds.conformal import conformal
 from tests.random.kinds.corners import corner
+from tests.random.kinds.coupled import coupled
 from tests.random.kinds.curved import curved
 from tests.random.kinds.cycles import cycle
 from tests.random.kinds.driven import two_driven
@@ -48,6 +49,7 @@ KINDS = {
     "bearing": bearing,
     "quarter": quarter,
     "assembly": assembly,
+    "coupled": coupled,
 }
 _OTHERS = 4  # one scene in so many is of the kinds of tests.random.scenes
 

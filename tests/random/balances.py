@@ -1,0 +1,365 @@
+"""What an answer with couplings, springs and turned supports must satisfy, from its fields alone.
+
+Nodal forces are assembled here from the displacements, loads from the scene, and what results say
+is held against these: of the program only the spaces, the displacements and its records are used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from fenics_contact import Result, Run
+from fenics_contact.common import form_cache
+from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.scene.loading.couplings import GROUND, Way, ways_of
+from fenics_contact.scene.values import AXES
+
+Array = NDArray[np.float64]
+# Of the sum of all nodal forces; of the largest displacement; of what springs that hold allow.
+_FORCE, _MOTION, _HELD = 1e-6, 1e-9, 1e-3
+
+
+def faults(solved: Run, result: Result) -> list[str]:
+    """What does not balance, in words; empty where all does; collective.
+
+    Args:
+        solved: The run.
+        result: What it found.
+    """
+    fields = _Fields(solved, result)
+    checks = (_inside, _of_couplings, _of_springs, _of_faces, _whole, _of_supports, _energies)
+    return [text for check in checks for text in check(fields)]
+
+
+class _Fields:
+    """Displacements, and forces at nodes that something outside the body must exert; collective.
+
+    Attributes:
+        outside: Internal forces less loads, (nodes, components) (force).
+        loads: Forces of loads, likewise.
+        scale: What forces are small against: all nodal forces outside (force).
+        strain_energy: Of the body (energy).
+    """
+
+    def __init__(self, solved: Run, result: Result) -> None:
+        self.scene, self.result, self.solution = solved.scene, result, solved.solution
+        self.problem, self.spaces = solved.problem, solved.problem.spaces
+        self.body, self.size = self.spaces.body, self.scene.dimension
+        self.own = slice(self.spaces.owned_nodes)
+        self.moved = np.array(self.solution.displacement)
+        self.places = self.spaces.coordinates[:, : self.size]
+        self.time = self.scene.load_steps.last
+        self.ring = self.scene.kinematics == "axisymmetric"
+        place = ufl.SpatialCoordinate(self.body.mesh)
+        self._weight = 2 * ufl.pi * place[0] if self.ring else 1.0
+        internal, self.strain_energy = self._internal()
+        self.loads = self._of_loads()
+        self.outside = internal - self.loads
+        # What moves these scenes strains them by some 1e-4; far below that all is round-off.
+        length = float(max(self.spaces.comm.allgather(np.ptp(self.places))))
+        least = 1e-8 * self.scene.material[0].youngs_modulus * length ** (2 if self.ring else 1)
+        least *= length if self.size == 3 else 1.0
+        self.scale = max(float(self.sum(np.abs(self.outside)).sum()), least)
+        self.largest = max(self.most(self.moved), 1e-8 * length)
+        # Springs that hold a body which they move as a whole leave this round-off.
+        self.energy = least / length * self.largest**2 * 1e8
+
+    def sum(self, values: Array) -> Array:
+        """Over the nodes of all ranks."""
+        return np.asarray(self.spaces.comm.allreduce(np.asarray(values)[self.own].sum(axis=0)))
+
+    def most(self, values: Array) -> float:
+        """The largest size over the nodes of all ranks."""
+        return float(max(self.spaces.comm.allgather(np.abs(values[self.own]).max(initial=0.0))))
+
+    def on(self, name: str) -> NDArray[np.bool_]:
+        """Whether each node of this rank lies on a boundary."""
+        found = np.zeros(len(self.places), dtype=bool)
+        found[self.spaces.nodes(self.body.groups[name])] = True
+        return found
+
+    def measure(self, name: str) -> ufl.Measure:
+        """Of a boundary, weighted as the model says."""
+        return self.spaces.boundary(self.body.groups[name])
+
+    def centroid(self, name: str) -> Array:
+        """Of a boundary."""
+        place, weight = ufl.SpatialCoordinate(self.body.mesh), self._weight
+        densities = [weight, *(weight * place[axis] for axis in range(self.size))]
+        area, *moments = (self._scalar(one * self.measure(name)) for one in densities)
+        return np.array(moments) / area
+
+    def normal(self, name: str) -> Array:
+        """Mean of the normal over a flat boundary, (components,)."""
+        normal = ufl.FacetNormal(self.body.mesh)
+        found = [self._scalar(normal[axis] * self.measure(name)) for axis in range(self.size)]
+        return np.array(found) / np.linalg.norm(found)
+
+    def _scalar(self, form: ufl.Form) -> float:
+        return float(self.spaces.comm.allreduce(fem.assemble_scalar(form_cache.form(form))))
+
+    def moment(self, at: Array, forces: Array) -> Array:
+        """Of nodal forces about a point, (3,)."""
+        return self.sum(np.cross(in_space(self.places - at), in_space(forces)))
+
+    def _internal(self) -> tuple[Array, float]:
+        """∫ σ : ε(v) at nodes, and ½ ∫ σ : ε; of an isotropic body (force, energy)."""
+        (material,), space = self.scene.material, self.spaces.displacement_space
+        young, ratio = material.youngs_modulus, material.poissons_ratio
+        shear, lame = young / 2 / (1 + ratio), young * ratio / (1 + ratio) / (1 - 2 * ratio)
+        displacement = fem.Function(space)
+        displacement.x.array[:] = self.moved.reshape(-1)
+        test = ufl.TestFunction(space)
+        strain, virtual = self._strain(displacement), self._strain(test)
+        identity = ufl.Identity(3)
+        mixed = self.problem.elastic.mixed
+        if self.scene.kinematics == "plane stress":
+            lame = 2 * lame * shear / (lame + 2 * shear)
+        pressure = lame * ufl.tr(strain)
+        density = shear * ufl.inner(strain, strain) + 0.5 * pressure * ufl.tr(strain)
+        stress = 2 * shear * strain + pressure * identity
+        if mixed is not None:  # the mean stress is an unknown
+            deviator = strain - ufl.tr(strain) / 3 * identity
+            stress = 2 * shear * deviator + mixed.mean_stress * identity
+            density = 0.5 * ufl.inner(stress, strain)
+        form = self._weight * ufl.inner(stress, virtual) * self.spaces.bulk
+        energy = self._scalar(self._weight * density * self.spaces.bulk)
+        return self.spaces.assemble(form_cache.form(form)), energy
+
+    def _strain(self, of: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+        """Symmetric gradient, (3, 3), with that around the axis; 0 across a plane."""
+        gradient, size = ufl.grad(of), self.size
+        rows = [
+            [gradient[i, j] if i < size and j < size else 0.0 for j in range(3)] for i in range(3)
+        ]
+        if self.ring:
+            rows[2][2] = of[0] / ufl.SpatialCoordinate(self.body.mesh)[0]
+        return ufl.sym(ufl.as_matrix(rows))
+
+    def _of_loads(self) -> Array:
+        """Nodal forces of pressures, which are the only loads of these scenes (force)."""
+        found = np.zeros_like(self.moved)
+        test = ufl.TestFunction(self.spaces.displacement_space)
+        normal = ufl.FacetNormal(self.body.mesh)
+        for load in self.scene.load:
+            density = -load.pressure * load.path(self.time) * self._weight * ufl.dot(normal, test)
+            found += self.spaces.assemble(form_cache.form(density * self.measure(load.on)))
+        return found
+
+    def point(self, number: int) -> Array:
+        """The point of a coupling, (components,)."""
+        coupling = self.scene.coupling[number]
+        return self.centroid(coupling.on) if coupling.at is None else np.array(coupling.at)
+
+    def mirrored(self, way: Way) -> bool:
+        """Whether symmetry across x keeps a coupling from moving so."""
+        return bool(self.scene.symmetry) and (way[0] == "displacement") == (way[1] == "x")
+
+    def motion(self, name: str) -> dict[Way, float]:
+        """How a coupling moves by what results say; the ground does not."""
+        ways = ways_of(self.scene.kinematics)
+        if name == GROUND:
+            return dict.fromkeys(ways, 0.0)
+        row = next(one for one in self.result.couplings if one.name == name)
+        return {way: _entry(row.displacement, row.rotation, way) for way in ways}
+
+
+def in_space(vectors: Array) -> Array:
+    """With a third component, (points, 3)."""
+    found = np.zeros((len(vectors), 3))
+    found[:, : vectors.shape[1]] = vectors
+    return found
+
+
+def _entry(along: list[float], about: list[float], way: Way) -> float:
+    """The entry of a way in two lists: in the plane, there is one rotation."""
+    place = AXES.index(way[1])
+    if way[0] == "displacement":
+        return float(along[place])
+    return float(about[place if len(about) == 3 else 0])
+
+
+def _inside(of: _Fields) -> Iterator[str]:
+    """No force acts from outside where nothing touches the body."""
+    scene, free = of.scene, np.ones(len(of.places), dtype=bool)
+    names = [one.on for one in (*scene.support, *scene.coupling, *scene.contact)]
+    names += [one.against for one in scene.contact if one.against] + list(scene.symmetry)
+    for name in names:
+        free &= ~of.on(name)
+    left = of.outside[free[:, None] & np.ones(of.size, dtype=bool)]
+    if of.ring:
+        left = of.outside[free & (of.places[:, 0] > 1e-9 * of.places[:, 0].max(initial=0.0))]
+    worst = max(of.spaces.comm.allgather(np.abs(left).max(initial=0.0)))
+    if not worst <= _FORCE * of.scale:
+        yield f"inside: {worst / of.scale:.1e} of all forces is out of balance"
+
+
+def _of_couplings(of: _Fields) -> Iterator[str]:
+    """Forces and moments that results say are those of the nodes of the face."""
+    reach = max(of.spaces.comm.allgather(np.ptp(of.places)))
+    for number, row in enumerate(of.result.couplings):
+        face = np.where(of.on(row.on)[:, None], of.outside, 0.0)
+        at = of.point(number)
+        force, moment = of.sum(face), of.moment(at, face)
+        turned = moment if of.size == 3 else moment[2:]
+        for way in ways_of(of.scene.kinematics):
+            if of.mirrored(way):  # the plane of symmetry has a part of it
+                continue
+            arm = 1.0 if way[0] == "displacement" else reach + np.abs(at).max()
+            said, found = (
+                _entry(*each, way) for each in ((row.force, row.moment), (force, turned))
+            )
+            if not abs(said - found) <= _FORCE * of.scale * arm:
+                yield f"{row.name}: {way} has {said}, of its nodes {found}"
+
+
+def _of_springs(of: _Fields) -> Iterator[str]:
+    """What is given to a coupling, less what springs take, acts on its face."""
+    kinematics = of.scene.kinematics
+    reach = max(of.spaces.comm.allgather(np.ptp(of.places) + np.abs(of.places).max()))
+    for coupling, row in zip(of.scene.coupling, of.result.couplings, strict=True):
+        moved = of.motion(coupling.label)
+        factor = coupling.path(of.time)
+        for way in ways_of(kinematics):
+            if way in coupling.given:
+                expected = coupling.given[way] * factor
+                if not np.isclose(moved[way], expected, rtol=1e-9, atol=1e-14 * of.largest):
+                    yield f"{coupling.label}: {way} is {moved[way]}, given {expected}"
+                continue
+            if of.mirrored(way):
+                continue
+            force = coupling.acting.get(way, 0.0) * factor
+            size = abs(force)
+            for spring in of.scene.spring:
+                if coupling.label in spring.between:
+                    (other,) = set(spring.between) - {coupling.label}
+                    stiffness = spring.by_way(kinematics).get(way, 0.0)
+                    pull = stiffness * (moved[way] - of.motion(other)[way])
+                    force, size = force - pull, size + abs(pull)
+            found = _entry(row.force, row.moment, way)
+            arm = 1.0 if way[0] == "displacement" else reach
+            if not abs(found - force) <= 1e-6 * size + _FORCE * of.scale * arm:
+                yield f"{coupling.label}: along {way} acts {found}, given less springs {force}"
+
+
+def _of_faces(of: _Fields) -> Iterator[str]:
+    """Nodes of a face move as d + θ × (x − at)."""
+    for number, row in enumerate(of.result.couplings):
+        arms = in_space(of.places - of.point(number))
+        turn = np.array([0.0] * (3 - len(row.rotation)) + list(row.rotation))
+        rigid = np.array(row.displacement) + np.cross(turn, arms)[:, : of.size]
+        off = of.most(np.where(of.on(row.on)[:, None], of.moved - rigid, 0.0))
+        if not off <= _MOTION * max(of.largest, np.abs(row.displacement).max()):
+            yield f"{row.name}: nodes are {off / of.largest:.1e} off its motion"
+
+
+def _whole(of: _Fields) -> Iterator[str]:
+    """Loads, contacts with obstacles, supports and couplings together, by what results say."""
+    force, moment = of.sum(of.loads), of.moment(np.zeros(of.size), of.loads)
+    arm = max(of.spaces.comm.allgather(np.abs(of.places).max(initial=0.0)))
+    for contact, row in zip(of.scene.contact, of.result.contacts, strict=True):
+        if contact.against is None:
+            force += row["quantities"]["contact_force"]
+    # Two surfaces with a gap between have a moment, too, so that all contacts count here.
+    nodal = BulkForces(of.problem, of.solution).contacts
+    moment += of.moment(np.zeros(of.size), nodal)
+    told = True
+    for row in of.result.supports:
+        force += row.reaction
+        if row.reaction_moment is None:
+            told = False
+            continue
+        about = np.zeros(3)
+        about[: of.size] = row.moment_about
+        pushed = np.zeros(3)
+        pushed[: of.size] = row.reaction
+        own = np.array([0, 0, row.reaction_moment]) if of.size == 2 else row.reaction_moment
+        moment += own + np.cross(about, pushed)
+        arm = max(arm, np.abs(about).max())
+    balanced = force[1:] if of.ring else force
+    if not np.abs(balanced).max() <= _FORCE * of.scale:
+        yield f"whole: forces of results leave {force} of {of.scale:.2e}"
+    turned = moment if of.size == 3 else moment[2:]
+    if told and not of.ring and not np.abs(turned).max() <= _FORCE * of.scale * arm:
+        yield f"whole: moments of results leave {turned} of {of.scale * arm:.2e}"
+
+
+def _of_supports(of: _Fields) -> Iterator[str]:
+    """What a support holds along turned axes stays, and what slides bears no force."""
+    scene = of.scene
+    touched = np.zeros(len(of.places), dtype=bool)
+    for contact in scene.contact:
+        for name in (contact.on, contact.against):
+            touched |= of.on(name) if name else False
+    for name in scene.symmetry:
+        touched |= of.on(name)
+    for number, support in enumerate(scene.support):
+        if not support.is_elastic or not support.is_rigid:
+            continue
+        others = touched.copy()
+        for other in (*scene.support[:number], *scene.support[number + 1 :]):
+            others |= of.on(other.on)
+        here = (of.on(support.on) & ~others)[:, None]
+        directions, values = _directions(of, support)
+        for direction, value in zip(directions, values, strict=True):
+            along = np.sum(of.moved * direction, axis=1, keepdims=True)
+            if value is None:
+                flat = np.ptp(direction, axis=0).max(initial=0.0) < 1e-9
+                force = np.sum(of.outside * direction, axis=1, keepdims=True)
+                worst = of.most(np.where(here, force, 0.0))
+                if flat and not worst <= _FORCE * of.scale:
+                    yield f"{support.label}: bears {worst / of.scale:.1e} where it slides"
+                continue
+            off = of.most(np.where(here, along - value * support.path(of.time), 0.0))
+            if not off <= _HELD * of.largest:
+                yield f"{support.label}: gives way by {off / of.largest:.1e}"
+
+
+def _directions(of: _Fields, support) -> tuple[list[Array], list[float | None]]:
+    """Unit vectors at the nodes, (nodes, components), and what is held along each."""
+    size, count = of.size, len(of.places)
+    around = of.places / np.maximum(np.linalg.norm(of.places, axis=1), 1e-300)[:, None]
+    if support.normal is not None:
+        if "ring" in of.body.groups or "hub" in of.body.groups:
+            return [around, np.stack([-around[:, 1], around[:, 0]], axis=1)], [support.normal, None]
+        normal = of.normal(support.on)
+        rest = np.linalg.svd(normal[None])[2][1:]
+        rows = [normal, *rest]
+        vectors = [np.broadcast_to(row, (count, size)) for row in rows]
+        return vectors, [support.normal, *(None for _ in rest)]
+    axes = support.axes
+    held = [support.displacement.get(name) for name in axes.names(size)]
+    if axes.cylindrical is not None:
+        return [around, np.stack([-around[:, 1], around[:, 0]], axis=1)], held
+    first = np.array(axes.x) / np.linalg.norm(axes.x)
+    rows = [first, np.array([-first[1], first[0]])] if size == 2 else []
+    if size == 3:
+        second = np.array(axes.y) - first * (first @ axes.y)
+        second /= np.linalg.norm(second)
+        rows = [first, second, np.cross(first, second)]
+    return [np.broadcast_to(row, (count, size)) for row in rows], held
+
+
+def _energies(of: _Fields) -> Iterator[str]:
+    """Of the body and of springs; the work of all that is outside is twice both."""
+    scene, told = of.scene, of.result.quantities
+    work = float(of.sum(np.sum(of.outside * of.moved, axis=1)))
+    work += float(of.sum(np.sum(of.loads * of.moved, axis=1)))
+    size = float(of.sum(np.sum(np.abs((of.outside + of.loads) * of.moved), axis=1)))
+    size = max(size, of.energy)
+    for name, found in (("of the results", told["strain_energy"]), ("by forces", 0.5 * work)):
+        if not abs(found - of.strain_energy) <= 1e-6 * size:
+            yield f"strain energy {of.strain_energy}, {name} {found}"
+    if scene.spring and not any(one.is_elastic for one in scene.support):
+        stored = 0.0
+        for spring in scene.spring:
+            one, other = (of.motion(name) for name in spring.between)
+            for way, stiffness in spring.by_way(scene.kinematics).items():
+                stored += 0.5 * stiffness * (one[way] - other[way]) ** 2
+        if not abs(told["spring_energy"] - stored) <= 1e-6 * (stored + size):
+            yield f"springs store {stored}, results say {told['spring_energy']}"
