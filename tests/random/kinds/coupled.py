@@ -7,6 +7,7 @@ share points with something else, or nothing holds a motion: these are refused.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from dataclasses import dataclass, field
 from math import pi
 from typing import Any
@@ -267,7 +268,7 @@ def _row(dice: Dice) -> RandomScene:
             draft.couple(tip, f"{name}_tip")
         draft.press(f"{name}.{_last(draft)}1")
     labels = [one.label for one in draft.coupling]
-    for one, other in zip(labels, labels[1:], strict=False):
+    for one, other in itertools.pairwise(labels):
         if dice.chance(50):
             draft.join(one, other, firmly=False)
     return draft.scene("row", tuple(parts), "answered" if stands else "")
