@@ -24,7 +24,7 @@ from ufl.core.expr import Expr
 
 from fenics_contact.body import materials as material
 from fenics_contact.body.coupled_face import CoupledFace, MotionsOfFaces
-from fenics_contact.body.description import BodyDescription
+from fenics_contact.body.description import BodyDescription, Joint
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
@@ -135,17 +135,21 @@ class ElasticBody:
 
     def _join_faces(self, description: BodyDescription) -> None:
         """Add the springs between faces to what scalars do to each other."""
-        ways = [(face, way) for face in self.faces for way in face.ways]
-        first = len(self.preloaded)
-        self.joint_stiffness = np.zeros_like(self.scalar_stiffness)
-        for joint in description.joints:
-            for way, stiffness in joint.stiffness:
-                row = np.zeros(len(self.scalar_stiffness))
-                for number, sign in zip(joint.faces, (1.0, -1.0), strict=False):
-                    face = self.faces[number]
-                    row[first + ways.index((face, way))] = sign / face.amount(way, 1.0)
-                self.joint_stiffness += stiffness * np.outer(row, row)
+        every = [self.stiffness_of_joint(joint) for joint in description.joints]
+        self.joint_stiffness = np.sum([np.zeros_like(self.scalar_stiffness), *every], axis=0)
         self.scalar_stiffness = self.scalar_stiffness + self.joint_stiffness
+
+    def stiffness_of_joint(self, joint: Joint) -> Array:
+        """The part of ``joint_stiffness`` that is that of some springs, (scalars, scalars)."""
+        ways = [(face, way) for face in self.faces for way in face.ways]
+        first, found = len(self.preloaded), np.zeros_like(self.scalar_stiffness)
+        for way, stiffness in joint.stiffness:
+            row = np.zeros(len(found))
+            for number, sign in zip(joint.faces, (1.0, -1.0), strict=False):
+                face = self.faces[number]
+                row[first + ways.index((face, way))] = sign / face.amount(way, 1.0)
+            found += stiffness * np.outer(row, row)
+        return found
 
     def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:
         """The preloaded parts, which share no cells; collective."""

@@ -12,10 +12,12 @@ from fenics_contact import (
     Material,
     Obstacle,
     Path,
+    Point,
     Scene,
     SolverSettings,
     Spring,
     Steps,
+    Study,
     Support,
     run,
 )
@@ -177,6 +179,80 @@ def test_any_number_of_ranks_has_the_same_answer():
     for name in ("displacement", "rotation", "force"):
         expected = pytest.approx(one.couplings[0][name], rel=1e-9, abs=1e-12)
         assert found.couplings[0][name] == expected
+
+
+def test_derivatives_by_a_stiffness_are_those_of_the_formula():
+    """Of w = F/(E A/L + k), of the bar's energy and of its reaction −E A/L w."""
+    stiffness = 70.0
+    spring = Spring(between=("end", "ground"), stiffness={"x": stiffness})
+    made = scene(
+        Coupling("a.x1", name="end", force=(FORCE, 0)),
+        spring=(spring,),
+        point=(Point("tip", (LENGTH, 0.0)),),
+    )
+    of = ["displacement_tip_x", "strain_energy", "reaction_x", "end.reaction_x"]
+    found = Study(made, body=bars()).derivatives(of, ["spring.0.stiffness.x"])
+    moved = FORCE / (BAR + stiffness)
+    slope = -moved / (BAR + stiffness)
+    expected = (slope, BAR * moved * slope, -BAR * slope, BAR * slope)
+    for name, value in zip(of, expected, strict=True):
+        assert found[name]["spring.0.stiffness.x"] == pytest.approx(value, rel=1e-9), name
+
+
+def test_derivatives_by_a_rotational_stiffness_are_those_of_the_formula():
+    """Of θ = M/(E I/L + k): the end moves by θ L/2 across the bar."""
+    stiffness, moment = 20.0, 0.3
+    spring = Spring(between=("end", "ground"), rotational_stiffness=stiffness)
+    end = Coupling("a.x1", name="end", moment=moment)
+    made = scene(end, spring=(spring,), point=(Point("tip", (LENGTH, 0.0)),))
+    of, key = ["displacement_tip_y", "end.reaction_moment"], "spring.0.rotational_stiffness"
+    found = Study(made, body=bars()).derivatives(of, [key])
+    bends = BENDING / LENGTH
+    slope = -moment / (bends + stiffness) ** 2
+    assert found[of[0]][key] == pytest.approx(slope * LENGTH / 2, rel=1e-8)
+    assert found[of[1]][key] == pytest.approx(slope * bends, rel=1e-8)
+
+
+def test_derivatives_by_stiffnesses_are_those_of_differences():
+    """Between two couplings, one loaded and one moved, above a rough plane; one to the ground."""
+    values = {
+        "spring.0.stiffness": 40.0,
+        "spring.1.stiffness.y": 15.0,
+        "spring.1.rotational_stiffness": 8.0,
+    }
+    springs = (
+        Spring(between=("head", "foot"), stiffness=40.0),
+        Spring(between=("head", "ground"), stiffness={"y": 15.0}, rotational_stiffness=8.0),
+    )
+    contact = Contact(
+        "a.y0", obstacle=Obstacle("plane", position=(0, 0)), penalty_parameter=1e-5,
+        friction_coefficient=0.3, regularisation_parameter=1e-5,
+    )  # fmt: skip
+    made = scene(
+        Coupling("a.y1", name="head", force=(0.2, -2.0), moment=0.3),
+        Coupling("b.y1", name="foot", displacement={"x": 0, "y": -0.1}),
+        spring=springs,
+        support=(Support("b.y0", {"x": 0, "y": 0}),),
+        contact=(contact,),
+        point=(Point("inside", (0.5 * LENGTH, 0.8 * SIDE)),),
+    )
+    of = ["strain_energy", "normal_force", "foot.reaction_y", "displacement_inside_x"]
+    study = Study(made, body=bars(2))
+    slopes = study.derivatives(of, list(values))
+    for key, value in values.items():
+        below, above = (study.solve({key: value * (1 + 1e-4 * sign)}) for sign in (-1, 1))
+        for name in of:
+            change = quantity_of(above, name) - quantity_of(below, name)
+            expected = pytest.approx(change / (2e-4 * value), rel=1e-6, abs=1e-10)
+            assert slopes[name][key] == expected, (name, key)
+
+
+def quantity_of(answer, name):
+    if name.endswith("reaction_y"):
+        return next(row for row in answer.supports if row.name == "foot").reaction[1]
+    if name == "displacement_inside_x":
+        return answer.quantities["displacement_inside"][0]
+    return answer.quantities[name]
 
 
 @pytest.mark.errors

@@ -33,7 +33,6 @@ _MODULI = ("youngs_modulus", "poissons_ratio")
 # Why numbers have none that answers do follow.
 _WHY = {
     "mesh": "cells would be others, from which answers jump more than they change; compare runs",
-    "spring": "springs between couplings are part of the body",
     "thickness": "where it varies, stresses follow it; one that is a number has",
 }
 
@@ -51,6 +50,8 @@ class Change:
         modulus: Number of a material and name of its modulus, if it is one.
         springs: Number of a foot of ``Problem.feet`` → how forces of its springs on the body
             change with a displacement of the body, (nodes, components); collective.
+        joints: What is added to ``ElasticBody.joint_stiffness``, (body_scalars, body_scalars);
+            None for nothing.
         of_resultants: What forces and energies change by, over themselves, with all else the same.
     """
 
@@ -61,6 +62,7 @@ class Change:
     columns: Mapping[int, Array] = field(default_factory=dict)
     modulus: tuple[int, str] | None = None
     springs: Mapping[int, Callable[[Array], Array]] = field(default_factory=dict)
+    joints: Array | None = None
     of_resultants: float = 0.0
 
     def added(self, other: Change) -> Change:
@@ -113,6 +115,7 @@ class SceneChanges:
             "support": self._of_support,
             "preload": self._of_preload,
             "coupling": self._of_coupling,
+            "spring": self._of_joint,
             "material": self._of_material,
         }
         if group not in kinds:
@@ -215,6 +218,21 @@ class SceneChanges:
             if one.scene is coupling and one.way == (kinds[rest[0]], axis) and not one.is_locked
         }
         return Change(scalars=found)
+
+    def _of_joint(self, key: str, number: int, rest: list[str]) -> Change:
+        """The change by a stiffness of springs between couplings."""
+        problem, spring = self.problem, self.problem.scene.spring[number]
+        kinds = {"stiffness": "displacement", "rotational_stiffness": "rotation"}
+        if rest[0] not in kinds:
+            raise _refused(key, "of springs, the stiffness has")
+        ways = [
+            way
+            for way in spring.by_way(problem.spaces.kinematics)
+            if way[0] == kinds[rest[0]] and rest[1:] in ([], [way[1]])
+        ]
+        joint = problem.discrete.description.joints[number]
+        unit = replace(joint, stiffness=tuple((way, 1.0) for way in ways))
+        return Change(joints=problem.elastic.stiffness_of_joint(unit))
 
     @property
     def _motions(self) -> list[FaceMotion]:
