@@ -162,6 +162,9 @@ class NearSystem(CondensedSystem):
         """Take in all contact dofs, after a solve without some has failed; collective.
 
         Returns:
-            Whether there were others: the step is to be tried again.
+            Whether points take part that did not: the step is to be tried again. Masters that no
+            further point faces would change nothing.
         """
+        if all(near is None or near.slaves.all() for near in self.near):
+            return False
         return self._widened([None if near is None else near.of_all() for near in self.near])

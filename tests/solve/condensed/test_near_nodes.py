@@ -7,11 +7,13 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Steps, Support
+from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.description import words_on_contact_dofs
 from fenics_contact.solve.condensed import elimination
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
 from fenics_contact.solve.condensed.elimination import ReducedSchur
+from fenics_contact.solve.load_steps.step_tries import StepTries
 from fenics_contact.solve.near_system import NearSystem
 from fenics_contact.solve.solver_choice import SolverChoice
 from fenics_contact.solve.systems import near_nodes
@@ -118,6 +120,31 @@ def test_an_answer_that_is_not_asked_for_what_closed_is_wrong(of_few, monkeypatc
     scene, body = beams()
     monkeypatch.setattr(NearSystem, "take_in_closed", lambda system: False)
     assert not Run(with_solver(scene, solver="condensed"), COMM, body).solve().passed
+
+
+@pytest.mark.parametrize("is_apart", [True, False], ids=["apart", "touching"])
+def test_a_step_that_failed_is_tried_again_if_points_were_left_out(of_few, monkeypatch, is_apart):
+    """Masters that nothing faces are left out of both: to take these in would change nothing."""
+    scene, body = beams()
+    if not is_apart:
+        shapes = Box("low", (0, 0), (3, 0.4), (12, 2)), Box("high", (1, 0.4), (2, 0.8), (5, 2))
+        body = boxes(shapes, "quadrilateral")
+    (near,) = near_of(scene, body)
+    assert not near.masters.all()
+    assert near.slaves.all() != is_apart
+    tries, condensed = [], []
+
+    def failing(step_tries, time):
+        tries.append(time)
+        raise NotConvergedError("on purpose")
+
+    condense = NearSystem._condense
+    monkeypatch.setattr(StepTries, "_try_once", failing)
+    monkeypatch.setattr(
+        NearSystem, "_condense", lambda system: condensed.append(1) or condense(system)
+    )
+    assert not Run(with_solver(scene, solver="condensed"), COMM, body).solve().converged
+    assert len(tries) == len(condensed) == (2 if is_apart else 1)
 
 
 def test_a_contact_that_stays_open_has_no_contact_dofs(of_few):
