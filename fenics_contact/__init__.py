@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from fenics_contact.analyses.derivatives.table import DerivativeRequest
     from fenics_contact.analyses.fretting.table import FatigueLimits, Fretting, StrainLifeLine
     from fenics_contact.analyses.stability.table import Stability
+    from fenics_contact.analyses.stress_lines.table import Line
     from fenics_contact.analyses.vibration.table import Damping, Modes
     from fenics_contact.analyses.wear_cycles.table import CycleJump
     from fenics_contact.analyses.wear_cycles.wear_cycle import WearCycle
@@ -102,6 +103,7 @@ __all__ = [
     "Group",
     "HalfSpace",
     "InputError",
+    "Line",
     "Load",
     "Material",
     "Measured",
@@ -184,6 +186,7 @@ _MODULES = {
     "analyses.derivatives.table": ("DerivativeRequest",),
     "analyses.fretting.table": ("FatigueLimits", "Fretting", "StrainLifeLine"),
     "analyses.stability.table": ("Stability",),
+    "analyses.stress_lines.table": ("Line",),
     "analyses.vibration.table": ("Damping", "Modes"),
     "scene.contact": ("Contact", "Wear"),
     "scene.obstacle": ("HalfSpace", "Obstacle"),

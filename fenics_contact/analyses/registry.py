@@ -79,6 +79,7 @@ def _value(scene: Any, key: str) -> Any:
 
 # In the order of the page.
 _PACKAGES = [
+    "fenics_contact.analyses.stress_lines",
     "fenics_contact.analyses.fretting",
     "fenics_contact.analyses.vibration",
     "fenics_contact.analyses.stability",

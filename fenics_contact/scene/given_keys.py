@@ -28,6 +28,17 @@ def given_keys(table: Any) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value != defaults[name]}
 
 
+def key_of(table: type, name: str) -> str:
+    """Key by which a scene file gives an attribute: ``from`` of one that is called ``from_``.
+
+    Args:
+        table: A scene class, or any other dataclass.
+        name: Of the attribute.
+    """
+    described = getattr(table, "__pydantic_fields__", {}).get(name)
+    return getattr(described, "alias", None) or name
+
+
 def is_free_at_resume(table: Any, key: str) -> bool:
     """Whether a run may be resumed with another value of a key.
 

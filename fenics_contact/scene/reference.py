@@ -18,6 +18,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic.dataclasses import rebuild_dataclass
 from pydantic.fields import FieldInfo
 
+from fenics_contact.scene.given_keys import key_of
 from fenics_contact.scene.laws.law_tables import TablesByKind
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.units.dimensions import description_of, dimension_of
@@ -43,7 +44,10 @@ def keys_of(table: type) -> list[Key]:
     """The keys that a scene class accepts, in order."""
     hints = typing.get_type_hints(table, include_extras=True)
     said = {name: description_of(field) for name, field in _fields(table).items()}
-    return [_key(field, hints[field.name], said) for field in dataclasses.fields(table)]
+    return [
+        dataclasses.replace(_key(field, hints[field.name], said), name=key_of(table, field.name))
+        for field in dataclasses.fields(table)
+    ]
 
 
 def measured_by(key: str, *tables: type) -> str:

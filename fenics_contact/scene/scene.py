@@ -16,6 +16,7 @@ from pydantic import BeforeValidator, Field
 from fenics_contact.analyses.derivatives.table import DerivativeRequest, as_tolerances
 from fenics_contact.analyses.fretting.table import Fretting
 from fenics_contact.analyses.stability.table import Stability
+from fenics_contact.analyses.stress_lines.table import Line
 from fenics_contact.analyses.vibration.table import Damping, Modes
 from fenics_contact.scene.body import Material, with_values_by_name
 from fenics_contact.scene.body import MeshSource as MeshSource
@@ -144,6 +145,14 @@ class Scene(CoreScene):
     ] = ()
     point: Annotated[
         tuple[Point, ...], Field(description="points whose displacement is a quantity, any number")
+    ] = ()
+    line: Annotated[
+        tuple[Line, ...],
+        FREE_AT_RESUME,
+        Field(
+            description=f"lines along which `lines.csv` has the stress, up to {_MOST}",
+            max_length=_MOST,
+        ),
     ] = ()
     symmetry: Annotated[
         tuple[Text, ...],

@@ -23,6 +23,7 @@ from pydantic_core import PydanticKnownError, core_schema
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import SceneError
+from fenics_contact.scene.given_keys import key_of
 from fenics_contact.scene.messages import sentence
 from fenics_contact.scene.units.dimensions import OF_KEY, PLACE, description_of, has_unit
 
@@ -76,16 +77,19 @@ def scene_class(plain: Class) -> Class:
     where.
     """
     _check_only_numbers(plain)
-    made: Any = dataclass(frozen=True, config=ConfigDict(extra="forbid"))(plain)
+    made: Any = dataclass(frozen=True, config=ConfigDict(extra="forbid", populate_by_name=True))(
+        plain
+    )
     validate = made.__init__
 
     @functools.wraps(validate)
     def checked(self: Any, *values: Any, **named: Any) -> None:
+        by_key = {key_of(made, name): value for name, value in named.items()}
         try:
-            validate(self, *values, **named)
+            validate(self, *values, **by_key)
         except ValidationError as error:
-            names = [field.name for field in dataclasses.fields(made)]
-            given = dict(zip(names, values, strict=False)) | named
+            names = [key_of(made, field.name) for field in dataclasses.fields(made)]
+            given = dict(zip(names, values, strict=False)) | by_key
             words = sentence(error, given, made, names)
             raise SceneError(f"{made.__name__}: {words}") from None
 

@@ -12,7 +12,7 @@ import tomlkit
 from tomlkit.items import Table
 
 from fenics_contact.common.atomic_files import replace_file
-from fenics_contact.scene.given_keys import given_keys
+from fenics_contact.scene.given_keys import given_keys, key_of
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Path as LoadPath
 from fenics_contact.scene.values import Profile
@@ -88,7 +88,9 @@ def _path_from(folder: Path, file: str) -> str:
 
 def _table(part: Any) -> dict[str, Any]:
     """A part of a scene by keys, without those that have their defaults."""
-    return {name: _plain(value, name) for name, value in given_keys(part).items()}
+    return {
+        key_of(type(part), name): _plain(value, name) for name, value in given_keys(part).items()
+    }
 
 
 class _Inline(dict[str, Any]):

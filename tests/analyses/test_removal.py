@@ -22,6 +22,7 @@ pytestmark = [
 ASKING = {
     "derivatives": ('derivatives = { of = ["friction_force"], by = ["load.0.traction.0"] }', ""),
     "fretting": ("fretting = { depth = 0.5 }", ""),
+    "stress_lines": ('line = [{ name = "a", from = [0, 0], to = [1, 0] }]', "line"),
     "vibration": ("modes = { number = 2 }", "modes"),
     "stability": ("stability = { number = 2 }", ""),
     "wear_cycles": ("cycles = { begin = 1, end = 2, jumps = {} }", "cycles.jumps"),

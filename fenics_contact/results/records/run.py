@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from fenics_contact.analyses.derivatives.record import Derivative, Uncertainty
 from fenics_contact.analyses.fretting.record import FrettingRecord
 from fenics_contact.analyses.stability.record import StabilityRecord
+from fenics_contact.analyses.stress_lines.record import StressLineRecord
 from fenics_contact.analyses.vibration.record import DampingRecord, ModeRecord
 from fenics_contact.results.records.contacts import (
     ContactRecord,
@@ -189,6 +190,7 @@ class Outcome(Record):
         cycles: What becomes of loads that come again and again, where they do.
         slip_limit: How near parts are to slipping as a whole, where friction may hold some.
         fretting: Where the stress near contacts is worst over a cycle, where it was asked for.
+        lines: Stress along lines in the last load step, where it was asked for.
         checks: Name → check of the physics.
         branches: All answers that were found, where the scene asks for others.
         errors: Quantity → source → estimated absolute error, and their `total`; null where it was
@@ -210,7 +212,7 @@ class Outcome(Record):
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
         {
             *("accuracy", "cycles", "damping", "derivatives", "fretting", "further", "modes"),
-            *("couplings", "preloads", "slip_limit", "stability", "uncertainty", "units"),
+            *("couplings", "lines", "preloads", "slip_limit", "stability", "uncertainty", "units"),
         }
     )
 
@@ -228,6 +230,7 @@ class Outcome(Record):
     cycles: CyclesRecord | None = None
     slip_limit: SlipLimitRecord | None = None
     fretting: FrettingRecord | None = None
+    lines: list[StressLineRecord] = field(default_factory=list)
     checks: Mapping[str, Any]
     branches: list[BranchRecord] = field(default_factory=list)
     errors: Errors = field(default_factory=dict)

@@ -81,6 +81,11 @@ _KEYS = {
     },
     "HalfSpace": dict.fromkeys(("group", "groups", "surface", "boundary"), "on"),
     "Point": dict.fromkeys(("x", "position", "coordinates", "coords", "point"), "at"),
+    "Line": {
+        **dict.fromkeys(("start", "begin", "a"), "from"),
+        **dict.fromkeys(("end", "stop", "b"), "to"),
+        **dict.fromkeys(("number", "n", "num_points", "count"), "points"),
+    },
     "Steps": {
         **dict.fromkeys(("n", "steps", "count", "n_steps", "num_steps"), "number"),
         **dict.fromkeys(("t_end", "total", "final", "duration"), "end"),

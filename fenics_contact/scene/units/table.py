@@ -19,6 +19,7 @@ from pydantic import Field
 from pydantic.fields import FieldInfo
 
 from fenics_contact.common.errors import SceneError
+from fenics_contact.scene.given_keys import key_of
 from fenics_contact.scene.messages import written
 from fenics_contact.scene.units.dimensions import Dimension, UnitNames, WithUnit, dimension_of
 from fenics_contact.scene.values import PLAIN, Text, scene_class
@@ -296,7 +297,7 @@ class _Conversion:
             if type(value) in PLAIN:
                 continue
             of_value = dimension.of(table, outer) if dimension is not None else None
-            found = self.of(value, [*path, name], of_value)
+            found = self.of(value, [*path, key_of(type(table), name)], of_value)
             if found is not value:
                 changes[name] = found
         if not changes:
