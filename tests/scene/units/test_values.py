@@ -12,6 +12,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import InputError, Load, Material, MeshSource, Obstacle, Scene, Units
+from fenics_contact.scene.given_keys import key_of
 from fenics_contact.scene.reading import load_scene, scene_of_text
 from fenics_contact.scene.reference import keys_of
 from fenics_contact.scene.units.dimensions import LENGTH, PLACE, dimension_of
@@ -237,7 +238,7 @@ def test_what_a_key_measures_is_said_by_its_mark_alone(table):
         by_hand = re.search(r"\((length|stress|force|energy|area)\b[^)]*\)", field.description)
         assert not by_hand, f"{table.__name__}.{name}: mark it, as in Annotated[Number, LENGTH, …]"
         mark = dimension_of(field)
-        said = next(key.description for key in keys_of(table) if key.name == name)
+        said = next(key.description for key in keys_of(table) if key.name == key_of(table, name))
         assert mark is None or not mark.is_said or f"({mark.words})" in said
 
 
