@@ -37,7 +37,7 @@ def springs_of(described: Sequence[SpringGroup], spaces: Spaces, modulus: float)
     Args:
         described: What the scene says of them.
         spaces: Those of the body.
-        modulus: Largest stiffness of the body (stress).
+        modulus: Largest stiffness of the body, where it cannot give way sideways (stress).
 
     Raises:
         InputError: A surface is no boundary, or has no area.
@@ -72,7 +72,7 @@ class Springs:
         group: The surface.
         facets: Numbers and facets of the surfaces of all springs of the body.
         spaces: Those of the body.
-        modulus: Largest stiffness of the body (stress).
+        modulus: Largest stiffness of the body, where it cannot give way sideways (stress).
 
     Raises:
         InputError: The surface has no area, or no normal.

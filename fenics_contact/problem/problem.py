@@ -118,6 +118,7 @@ class Problem:
             self.load_site = LoadSite(discrete, scene.material)
             self.loads = given_loads(scene.load, self.load_site)
             self.feet = SpringFeet(self.elastic, scene, self.spaces)
+            self.feet.require_agreement(self.supports, scene, self.spaces)
             if not by_points:
                 for term in self.terms:
                     term.compiled()

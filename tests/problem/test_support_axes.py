@@ -10,6 +10,7 @@ from fenics_contact import (
     Load,
     Material,
     Motion,
+    Path,
     Point,
     Scene,
     SolverSettings,
@@ -212,6 +213,93 @@ def test_bars_hold():
     exact = a * INNER + b / INNER
     error = abs(found.quantities["displacement_bore"][0] - exact)
     assert error < found.errors["displacement_bore"]["total"] < 0.05 * exact
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("ratio", [0.3, 0.4999])
+def test_a_block_that_cannot_give_way_sideways(ratio, solver):
+    """Held all around by its normals: E (1 − ν)/((1 + ν)(1 − 2ν)) times the strain."""
+    sides = tuple(Support(side, normal=0.0) for side in ("x0", "x1", "y0"))
+    pressed = Support("y1", {"y": -1e-3})
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(E, ratio),
+        support=(*sides, pressed),
+        solver=SolverSettings(solver=solver, errors="none"),
+    )
+    found = run(scene, COMM, box_body((4, 3), (2.0, 1.0)))
+    assert found.passed, found.verdict
+    confined = E * (1 - ratio) / ((1 + ratio) * (1 - 2 * ratio))
+    reaction = next(row for row in found.supports if row.on == "y1").reaction
+    assert reaction[1] == pytest.approx(-confined * 1e-3 * 2.0, rel=4 * HELD)
+
+
+def contradicting(*supports, **keys):
+    return Scene(
+        kinematics=keys.pop("kinematics", "plane strain"),
+        material=Material(E, RATIO),
+        support=supports,
+        solver=SolverSettings(errors="none"),
+        **keys,
+    )
+
+
+OUT = SupportAxes(x=(1.0, 0.0))
+SHORT = Path(time=(0, 0.5, 1), factor=(0, 1, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("scene", "name"),
+    [
+        (
+            contradicting(
+                Support("y0", {"x": 0.0, "y": 0.0}), Support("x0", {"x": 0.01}, axes=OUT)
+            ),
+            "axes_against_a_support",
+        ),
+        (
+            contradicting(Support("x0", {"x": 0.01}, axes=TURNED), Support("y0", normal=0.0)),
+            "",
+        ),
+        (
+            contradicting(
+                Support("x0", {"x": 0.01, "y": 0.02}, axes=OUT), Support("y0", normal=0.02)
+            ),
+            "axes_against_a_normal",
+        ),
+        (
+            contradicting(
+                Support("x0", {"x": 0.01, "y": -0.02}, axes=OUT), Support("y0", normal=0.02)
+            ),
+            "",
+        ),
+        (
+            contradicting(
+                Support("x0", {"x": 0.01, "y": -0.02}, axes=OUT, path=SHORT),
+                Support("y0", normal=0.02),
+            ),
+            "axes_at_other_times",
+        ),
+        (
+            contradicting(Support("y0", {"x": 0.01, "y": 0.0}, axes=OUT), symmetry=("x0",)),
+            "axes_against_symmetry",
+        ),
+        (
+            contradicting(
+                Support("y0", {"x": 0.01, "y": 0.0}, axes=OUT), kinematics="axisymmetric"
+            ),
+            "axes_against_the_axis",
+        ),
+    ],
+)
+def test_supports_that_move_a_point_otherwise_are_refused(scene, name):
+    """Those that agree there are not: along two directions that are not the same, or alike."""
+    if name:
+        with refused(name):
+            run(scene, COMM, box_body((4, 3), (2.0, 1.0)))
+        return
+    found = run(scene, COMM, box_body((4, 3), (2.0, 1.0)))
+    assert found.passed, found.verdict
 
 
 @pytest.mark.parametrize(

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from dolfinx import fem
 
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.body.springs import Springs
-from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import total
-from fenics_contact.scene.loading.load_paths import KeyedPath
+from fenics_contact.body.springs import GIVES_WAY, Springs
+from fenics_contact.body.supports import AppliedSupport, Supports
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import raise_together, total
+from fenics_contact.scene.loading.load_paths import KeyedPath, knots
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Value
 
@@ -58,6 +60,18 @@ class SpringFoot:
         amounts = self._spaces.evaluate(value, nodes, key)
         found[nodes] = amounts[:, None] * self.springs.along(nodes)[way]
         return found
+
+    def held_at(self, nodes: AnyIntegers) -> tuple[Array, Array]:
+        """Directions along which springs act at nodes of this rank, and the foot's whole way there.
+
+        Args:
+            nodes: Of the surface.
+
+        Returns:
+            (nodes, directions, components), and (nodes, directions) (length).
+        """
+        along = self.springs.along(nodes)[self.springs.stiffness > 0].swapaxes(0, 1)
+        return along, np.einsum("ndc,nc->nd", along, self._whole[nodes])
 
     def set_time(self, time: float, besides: Array) -> None:
         """Move the foot to a pseudo-time.
@@ -135,6 +149,30 @@ class SpringFeet(list[SpringFoot]):
             foot.set_time(time, more)
             self.load += foot.load
 
+    def require_agreement(self, supports: Supports, scene: Scene, spaces: Spaces) -> None:
+        """Springs that hold move no point elsewhere than what else holds it; collective.
+
+        Raises:
+            InputError: They do; on every rank.
+        """
+        holding = [foot for foot in self if foot.springs.holds]
+        if not holding:
+            return
+        owners: list[AppliedSupport | SpringFoot] = [*supports.applied, *holding]
+        rows, of, sizes = _disagreement(supports.applied, holding, spaces)
+        error = None
+        for time in sorted({*scene.load_steps.all_times, *knots(scene)}):
+            shares = np.array([owner.path(scene.path_time(time)) for owner in owners])
+            off, moved = np.abs(rows @ shares), np.abs(sizes * shares).max()
+            if error is None and (off > _ALIKE * moved).any():
+                one, other = (owners[number].label for number in of[int(off.argmax())])
+                error = InputError(
+                    f"support on '{one}': would move a point at time {time:g} to where '{other}', "
+                    "which holds that point, too, does not let it go; let both move it alike, or "
+                    "leave one of them out"
+                )
+        raise_together(spaces.comm, error)
+
     @property
     def applied(self) -> Array:
         """Sizes of the forces at the nodes that an imbalance is small against (force).
@@ -146,3 +184,53 @@ class SpringFeet(list[SpringFoot]):
             relative = foot.springs.stiffness.max() * self._size / self._elastic.reference_modulus
             found += np.abs(foot.load) / (1 + relative)
         return found
+
+
+# Of what is moved, by which two supports may move a point otherwise: what springs give way.
+_ALIKE = GIVES_WAY
+
+
+def _disagreement(
+    rigid: Sequence[AppliedSupport], feet: Sequence[SpringFoot], spaces: Spaces
+) -> tuple[Array, Integers, Array]:
+    """By how much what holds a point of this rank contradicts itself, linear in all paths.
+
+    Args:
+        rigid: What holds dofs.
+        feet: Of springs that hold.
+        spaces: Those of the body.
+
+    Returns:
+        Rows over these two lists, for each row numbers of a foot and of another owner in them, and
+        how far each moves any such point at most (length).
+    """
+    size = spaces.components
+    owner_of = np.full(spaces.coordinates[:, :size].size, -1)
+    value_of, sizes = np.zeros(len(owner_of)), np.zeros(len(rigid) + len(feet))
+    for number, support in reversed(list(enumerate(rigid))):
+        if not support.follows and len(support.values):
+            owner_of[support.dofs], value_of[support.dofs] = number, support.values
+    first, values = owner_of.reshape(-1, size), value_of.reshape(-1, size)
+    every = [spaces.nodes(foot.springs.group) for foot in feet]
+    nodes, count = np.unique(np.concatenate(every), return_counts=True)
+    shared = nodes[(count > 1) | (first[nodes] >= 0).any(axis=1)]
+    known = [
+        (np.flatnonzero(np.isin(shared, one)), foot) for one, foot in zip(every, feet, strict=True)
+    ]
+    held = [(places, *foot.held_at(shared[places])) for places, foot in known]
+    rows, of = [np.zeros((0, len(rigid) + len(feet)))], [np.zeros((0, 2), dtype=np.int64)]
+    for place, node in enumerate(shared):
+        axes = np.flatnonzero(first[node] >= 0)
+        ways, given, owner = [np.eye(size)[axes]], [values[node][axes]], [first[node][axes]]
+        for number, (places, along, moved) in enumerate(held, len(rigid)):
+            for row in np.flatnonzero(places == place):
+                ways.append(along[row])
+                given.append(moved[row])
+                owner.append(np.full(len(along[row]), number))
+        all_ways, owners = np.concatenate(ways), np.concatenate(owner)
+        by_owner = np.zeros((len(owners), len(rigid) + len(feet)))
+        by_owner[np.arange(len(owners)), owners] = np.concatenate(given)
+        sizes = np.maximum(sizes, np.abs(by_owner).max(axis=0))
+        rows.append(by_owner - all_ways @ (np.linalg.pinv(all_ways) @ by_owner))
+        of.append(np.tile([owners[-1], owners[0]], (len(owners), 1)))
+    return np.concatenate(rows), np.concatenate(of), sizes
