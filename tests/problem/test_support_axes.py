@@ -281,7 +281,7 @@ SHORT = Path(time=(0, 0.5, 1), factor=(0, 1, 0.5))
             "axes_at_other_times",
         ),
         (
-            contradicting(Support("y0", {"x": 0.01, "y": 0.0}, axes=OUT), symmetry=("x0",)),
+            contradicting(Support("y0", {"x": 0.01, "y": 0.0}, axes=OUT), symmetry=("x1",)),
             "axes_against_symmetry",
         ),
         (
