@@ -19,6 +19,7 @@ from fenics_contact.problem.scalar_unknown import ScalarUnknown
 from fenics_contact.solve.condensed.condensed_body import CondensedBody, ScalarLoad
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
 from fenics_contact.solve.condensed.elimination import KeptUnknowns, ReducedSchur
+from fenics_contact.solve.condensed.split_solver import SplitSolver
 from fenics_contact.solve.condensed.tangent import ContactTangent, UnknownsTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
 from fenics_contact.solve.systems.contact_stiffness import Entries, SurfaceMatrix
@@ -321,11 +322,12 @@ class CondensedContacts:
                 found.append(self.tangent.inner.onto_unknowns(own))
         return found
 
-    def linearise(self, springs: float) -> None:
+    def linearise(self, springs: float, near: SplitSolver | None = None) -> None:
         """W = Σ Lᵀ K_c B; collective.
 
         Args:
             springs: Stiffness of springs at ``sprung``, over that of the body.
+            near: As of ``UnknownsTangent.set``, on rank 0.
         """
         none = np.zeros(0, dtype=np.int64)
         found: list[Entries] = [(none, none, np.zeros(0))]
@@ -340,7 +342,7 @@ class CondensedContacts:
                 stiffness = self._stiffness[self.sprung]
                 found.append((self.sprung, self.sprung, springs * stiffness))
             rows, columns, values = (np.concatenate(part) for part in zip(*found, strict=True))
-            tangent.set((rows, columns, values))
+            tangent.set((rows, columns, values), near)
 
     def compliances(
         self, number: int, across: csr_matrix, ways: list[csr_matrix]

@@ -7,6 +7,7 @@ asks for the displacement of the body.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from functools import partial
 from typing import ClassVar
@@ -25,7 +26,7 @@ from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts
 from fenics_contact.solve.condensed.condensed_loads import PresentLoads
-from fenics_contact.solve.condensed.split_solver import LEFT, LEFT_AT_MOST
+from fenics_contact.solve.condensed.split_solver import LEFT, LEFT_AT_MOST, SplitSolver
 from fenics_contact.solve.condensed.tangent import TangentOperator
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.solution import BodyAnswer, FindBody, LazyDisplacement
@@ -274,21 +275,32 @@ class CondensedSystem(System):
         self._note_scalar_forces(found)
         return found
 
-    def linearise(self, state: PETSc.Vec, springs: float = 0.0) -> None:
-        """W = Σ Lᵀ K_c B; collective."""
+    def linearise(
+        self, state: PETSc.Vec, springs: float = 0.0, near: SplitSolver | None = None
+    ) -> None:
+        """W = Σ Lᵀ K_c B; collective.
+
+        Args:
+            state: The unknowns.
+            springs: As of ``System.linearise``.
+            near: As of ``UnknownsTangent.set``, on rank 0.
+        """
         same = self._balanced is not None and np.array_equal(state.array_r, self._balanced)
         if not self.comm.allreduce(same, op=MPI.LAND):
             self.take(state)
-        self._contacts.linearise(springs)
+        self._contacts.linearise(springs, near)
         left = _left_by_a_step(self.imbalance(), self.given_forces or self.forces or 1.0)
         if self._dense is not None:
             self._dense.newton_left = left
 
-    def linearise_truly(self) -> None:
+    def linearise_truly(self, near: SplitSolver | None = None) -> None:
         """Set the tangent of an answer in whose state the system is; collective.
 
         There friction's bound follows the pressure, and tractions turn with the slip as the law has
         it.
+
+        Args:
+            near: Solver of the tangent of an answer near this one, as ``split_solver`` gave it.
         """
         for contact in self.problem.frictional:
             if contact.is_coulomb:
@@ -296,7 +308,13 @@ class CondensedSystem(System):
                 contact.follow_pressure()
             kinematics, tangent = contact.kinematics, contact.friction_term.tangent_state
             tangent.take_true(kinematics.tangential(kinematics.jump_at_points()))
-        self.linearise(self.state)
+        self.linearise(self.state, near=near)
+
+    @property
+    def split_solver(self) -> SplitSolver | None:
+        """The solver of the last tangent, which others take no part of; None if it is no such."""
+        split = None if self._dense is None else self._dense.inner.split
+        return None if split is None else copy.copy(split)
 
     def step_by_last_tangent(self) -> None:
         """Take the step of Newton's method that the last tangent gives, in full; collective."""

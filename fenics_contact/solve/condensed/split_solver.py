@@ -55,11 +55,33 @@ class SplitSolver:
         constant, count = self._constant, self._constant.count
         basis, stiff = self._nodes.split(added[:count, :count])
         others = identity(constant.width - count, format="csr")
-        self._added, self._transposed = added, None
+        self._added, self._acting, self._transposed = added, added, None
         self._stiff_basis = csr_matrix(basis[:, stiff])
         self._soft_basis = csr_matrix(basis[:, ~stiff])
         self._soft_directions = csr_matrix(block_diag([self._soft_basis, others]))
         self._springs = self._nodes.scale[stiff]
+
+    def acting_as(self, constant: ConstantTangent, added: csr_matrix) -> SplitSolver | None:
+        """The solver under another W, near to that of its factors: it needs no others.
+
+        Args:
+            constant: A and Q.
+            added: W.
+
+        Returns:
+            None where its own A and Q were others.
+        """
+        if constant is not self._constant:
+            return None
+        found = copy.copy(self)
+        found._acting, found._transposed = added, None
+        return found
+
+    @property
+    def memory(self) -> float:
+        """Of the dense factor, over that of S."""
+        taken = 0 if self._soft_factor is None else self._soft_factor[0].nbytes
+        return float(taken) / max(self._constant.schur.nbytes, 1)
 
     @property
     def soft(self) -> int:
@@ -149,12 +171,12 @@ class SplitSolver:
         if self._transposed is None:
             self._transposed = copy.copy(self)
             self._transposed._constant = self._constant.transposed
-            self._transposed.split(csr_matrix(self._added.T))
+            self._transposed.split(csr_matrix(self._acting.T))
             if not self._transposed.factorise():
                 return None
         other, found = self._transposed, np.zeros(len(right))
         for _ in range(_REFINED):
-            left = right - other._constant.with_contacts(other._added, found)
+            left = right - other.times(found)
             more = other.solve(left)
             if more is None:
                 return None
@@ -168,7 +190,7 @@ class SplitSolver:
 
     def times(self, values: Array) -> Array:
         """Product M y."""
-        return self._constant.with_contacts(self._added, values)
+        return self._constant.with_contacts(self._acting, values)
 
     def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         """Nearly M⁻¹ r, as PETSc asks for it."""

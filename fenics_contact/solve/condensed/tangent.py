@@ -61,11 +61,20 @@ class UnknownsTangent:
             self._by_compliance = ComplianceSolver(self.constant)
         return self._by_compliance
 
-    def set(self, entries: Entries) -> None:
-        """Set W by its entries; those at the same place add up."""
+    def set(self, entries: Entries, near: SplitSolver | None = None) -> None:
+        """Set W by its entries; those at the same place add up.
+
+        Args:
+            entries: Of W.
+            near: Solver of a tangent near this one, whose factors serve; None for others.
+        """
         rows, columns, values = entries
         kept = np.flatnonzero(values)
         self._entries, self._written = (rows[kept], columns[kept], values[kept]), None
+        found = None if near is None else near.acting_as(self.constant, self._added)
+        if found is not None:
+            self._split, self._is_split = found, True
+            return
         self._is_split = self._can_split()
         if not self._is_split:
             self.compliance.factorise(self._entries)
@@ -212,10 +221,10 @@ class ContactTangent:
         self.inner, self.border = inner, border or ScalarBorder.empty(inner.size)
         self.newton_left, self._left = LEFT, inf
 
-    def set(self, entries: Entries) -> None:
-        """Set W by its entries; those at the same place add up."""
+    def set(self, entries: Entries, near: SplitSolver | None = None) -> None:
+        """Set W by its entries, as ``UnknownsTangent.set``."""
         self._forget_border(inf)
-        self.inner.set(entries)
+        self.inner.set(entries, near)
 
     def _forget_border(self, left: float) -> None:
         self.border.forget()

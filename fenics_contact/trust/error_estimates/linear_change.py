@@ -29,6 +29,7 @@ from fenics_contact.contact.state import OPEN, ContactState
 from fenics_contact.quantities.names import SLIP_AREA, STICK_AREA, STICK_RADIUS
 from fenics_contact.scene.loading.load_paths import knots
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.condensed.split_solver import SplitSolver
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton import Newton
@@ -60,6 +61,8 @@ _OF_STEPS = 0.5
 _OF_STICK = 0.1
 # Of pseudo-times that are the same.
 _SAME = 1e-9
+# Memory for factors of tangents that are kept, over that of the condensed stiffness.
+_KEPT = 1.0
 
 
 Found = TypeVar("Found")
@@ -153,6 +156,7 @@ class LinearHistory:
         self._away: dict[float, list[Array]] = {}
         self._share = 0.0
         self._steps = _KeptSteps((*knots(load_steps.problem.scene), times[-1]))
+        self._tangents = _KeptTangents()
 
     @cached_property
     def again(self) -> Again | None:
@@ -212,9 +216,14 @@ class LinearHistory:
         Not where bodies wear or were paired anew on the way, and not where loads turn at both ends
         of a load step.
         """
+        wears = any(contact.wear.wears for contact in self._load_steps.problem.contacts)
+        return not (wears or self._pairs_anew) and all(len(part) > 1 for part in self._parts)
+
+    @property
+    def _pairs_anew(self) -> bool:
+        """Whether bodies were paired anew on the way."""
         contacts = self._load_steps.problem.contacts
-        changes = any(c.wear.wears or c.kinematics.paired_at is not None for c in contacts)
-        return not changes and all(len(part) > 1 for part in self._parts)
+        return any(contact.kinematics.paired_at is not None for contact in contacts)
 
     @property
     def _parts(self) -> list[list[float]]:
@@ -261,9 +270,32 @@ class LinearHistory:
                 law = contact.friction
                 law.reference = law.reference + self._share * away
         self._ends[time].begin(newton, None if before is None else self._ends[before])
-        system.linearise_truly()
+        system.linearise_truly(self._tangents.at(time))
         system.step_by_last_tangent()
+        if not self._pairs_anew:  # else the tangents of each history are over other unknowns
+            self._tangents.keep(time, system.split_solver)
         return newton.solution()
+
+
+class _KeptTangents:
+    """Solvers of the tangents at the ends of load steps, for histories that pass near by.
+
+    As many as there is room for.
+    """
+
+    def __init__(self) -> None:
+        self._kept: dict[float, SplitSolver] = {}
+        self._room = _KEPT
+
+    def at(self, time: float) -> SplitSolver | None:
+        """That of a load step, if it is kept."""
+        return self._kept.get(time)
+
+    def keep(self, time: float, solver: SplitSolver | None) -> None:
+        """Keep that of a load step of which there is none, where there is room."""
+        if solver is not None and time not in self._kept and solver.memory <= self._room:
+            self._kept[time] = solver
+            self._room -= solver.memory
 
 
 @dataclass(frozen=True, eq=False)
