@@ -22,8 +22,9 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.solve.condensed import condensed_system
-from fenics_contact.trust.error_estimates import estimates
-from fenics_contact.trust.error_estimates.linear_change import LinearChange
+from fenics_contact.solve.condensed.split_solver import SplitSolver
+from fenics_contact.trust.error_estimates import estimates, linear_change
+from fenics_contact.trust.error_estimates.linear_change import LinearChange, LinearHistory
 from fenics_contact.trust.error_estimates.measured import Measured
 from fenics_contact.trust.error_estimates.mesh import edge_places
 from fenics_contact.trust.error_estimates.parameters import penalty_errors
@@ -33,6 +34,7 @@ from tests.contact.fits import CONFINED, FIT, RATIO, STIFFNESS, stack
 from tests.preload import test_joint as diagram
 from tests.preload.joints import joint
 from tests.scenes import box_body, with_solver
+from tests.solve.condensed.stiff_and_soft import Split
 from tests.solve.load_steps.histories import shoved, two_blocks
 from tests.trust.error_estimates.test_load_steps import BODY, NAMES, dragged, true_error
 
@@ -200,6 +202,36 @@ def test_load_steps(steps, monkeypatch):
     ratios = [found.errors[n]["step"] / true_error(found, limit, n) for n in NAMES]
     assert min(ratios) > 1, ratios
     assert np.median(ratios) < 10, ratios
+
+
+@pytest.mark.parametrize("room", [1.0, 0.0], ids=["kept", "anew"])
+def test_histories_keep_the_factors_of_tangents(room, monkeypatch):
+    """Bars are those that each tangent's own factors give, which are made once a load step."""
+    split = Split(monkeypatch)
+    solved_again = []
+
+    def bars():
+        found = run(with_solver(shoved(Steps(number=4)), errors="auto"), COMM, two_blocks())
+        names = ("normal_force", "friction_force")
+        every = {(name, of): error for name in names for of, error in found.errors[name].items()}
+        return {key: error for key, error in every.items() if error is not None}
+
+    def counted(history, times, newton):
+        before = split.factorised
+        found = step(history, times, newton)
+        solved_again.append(split.factorised - before)
+        return found
+
+    step = LinearHistory._step
+    monkeypatch.setattr(LinearHistory, "_step", counted)
+    monkeypatch.setattr(linear_change, "_KEPT", room)
+    kept = bars()
+    of_first = solved_again[:4]
+    assert COMM.bcast(of_first == [1] * 4)
+    assert COMM.bcast(set(solved_again[4:]) == {0 if room else 1})
+    monkeypatch.setattr(SplitSolver, "acting_as", lambda solver, constant, added: None)
+    assert kept == pytest.approx(bars(), rel=1e-3, abs=1e-9)
+    assert kept["normal_force", "mesh"] > 0
 
 
 def test_what_one_load_step_between_turns_does_not_tell():
