@@ -156,7 +156,8 @@ class LinearHistory:
         self._away: dict[float, list[Array]] = {}
         self._share = 0.0
         self._steps = _KeptSteps((*knots(load_steps.problem.scene), times[-1]))
-        self._tangents = _KeptTangents()
+        # Where bodies are paired anew, the tangents of each history are over other unknowns.
+        self._tangents = _KeptTangents(0.0 if self._pairs_anew else _KEPT)
 
     @cached_property
     def again(self) -> Again | None:
@@ -272,8 +273,7 @@ class LinearHistory:
         self._ends[time].begin(newton, None if before is None else self._ends[before])
         system.linearise_truly(self._tangents.at(time))
         system.step_by_last_tangent()
-        if not self._pairs_anew:  # else the tangents of each history are over other unknowns
-            self._tangents.keep(time, system.split_solver)
+        self._tangents.keep(time, system.split_solver)
         return newton.solution()
 
 
@@ -281,11 +281,14 @@ class _KeptTangents:
     """Solvers of the tangents at the ends of load steps, for histories that pass near by.
 
     As many as there is room for.
+
+    Args:
+        room: Memory for their dense factors, over that of the condensed stiffness.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, room: float) -> None:
         self._kept: dict[float, SplitSolver] = {}
-        self._room = _KEPT
+        self._room = room
 
     def at(self, time: float) -> SplitSolver | None:
         """That of a load step, if it is kept."""

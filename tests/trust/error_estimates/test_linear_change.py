@@ -204,14 +204,14 @@ def test_load_steps(steps, monkeypatch):
     assert np.median(ratios) < 10, ratios
 
 
-@pytest.mark.parametrize("room", [1.0, 0.0], ids=["kept", "anew"])
+@pytest.mark.parametrize("room", [9.0, 0.0], ids=["kept", "anew"])
 def test_histories_keep_the_factors_of_tangents(room, monkeypatch):
     """Bars are those that each tangent's own factors give, which are made once a load step."""
     split = Split(monkeypatch)
     solved_again = []
 
     def bars():
-        found = run(with_solver(shoved(Steps(number=4)), errors="auto"), COMM, two_blocks())
+        found = run(with_solver(dragged(Steps(number=4)), errors="auto"), COMM, BODY)
         names = ("normal_force", "friction_force")
         every = {(name, of): error for name in names for of, error in found.errors[name].items()}
         return {key: error for key, error in every.items() if error is not None}
@@ -230,7 +230,7 @@ def test_histories_keep_the_factors_of_tangents(room, monkeypatch):
     assert COMM.bcast(of_first == [1] * 4)
     assert COMM.bcast(set(solved_again[4:]) == {0 if room else 1})
     monkeypatch.setattr(SplitSolver, "acting_as", lambda solver, constant, added: None)
-    assert kept == pytest.approx(bars(), rel=1e-3, abs=1e-9)
+    assert kept == pytest.approx(bars(), rel=1e-2, abs=1e-9)
     assert kept["normal_force", "mesh"] > 0
 
 
