@@ -19,6 +19,8 @@ EDGES, SWINGS = "edges inside cells", "oscillates with the mesh"
 _NOTHING = 1e-6
 _SIZES = {"force": "force", "area": "area", "energy": "energy", "work": "energy", "slip": "slip"}
 _FORCES = ("force", "reaction", "vertical", "integral")
+# Motions of faces, and what has moments: beside the largest, where scenes have couplings.
+_OF_COUPLINGS = {"displacement", "rotation", "contact_moment", "reaction_moment"}
 # Made of others, for comparison with what is known.
 _DERIVED = ("vertical", "vertical_reaction")
 # A change that comes back by this share oscillates; one that falls below this share converges.
@@ -247,6 +249,9 @@ def size_of(coarse: Row, name: str, found: np.ndarray, expected: np.ndarray) -> 
         sizes = {**sizes, "slip": sizes["energy"] / sizes["force"]}
     if quantity.endswith(_FORCES):
         return max(own, sizes["force"])
+    kind_of_coupling = quantity.rsplit("_", 1)[-1] if quantity in _OF_COUPLINGS else ""
+    if kind_of_coupling in sizes:
+        return max(own, sizes[kind_of_coupling])
     kind = next((size for end, size in _SIZES.items() if quantity.endswith(end)), None)
     return max(own, _NOTHING * sizes.get(kind, 0.0)) if kind else own
 

@@ -40,7 +40,7 @@ def row_of(random: RandomScene, outcome: Outcome) -> dict[str, Any]:
         "slips_and_sticks": outcome.mixed,
         "seconds": outcome.seconds,
         "words": outcome.words,
-        "faults": list(outcome.faults),
+        "faults": list(outcome.balance.faults),
         "quantities": {},
     }
     if result is None:
@@ -51,7 +51,7 @@ def row_of(random: RandomScene, outcome: Outcome) -> dict[str, Any]:
         "dofs": result.model["dofs"],
         "checks": checks,
         "quantities": quantities_of(result),
-        "sizes": sizes_of(result),
+        "sizes": sizes_of(result) | outcome.balance.sizes,
         "edges": has_edges(result),
         "notes": list(result.error_notes),
     }

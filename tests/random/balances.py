@@ -6,7 +6,8 @@ is held against these: of the program only the spaces, the displacements and its
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import ufl
@@ -24,16 +25,33 @@ Array = NDArray[np.float64]
 _FORCE, _MOTION, _HELD = 1e-6, 1e-9, 1e-3
 
 
-def faults(solved: Run, result: Result) -> list[str]:
-    """What does not balance, in words; empty where all does; collective.
+@dataclass(frozen=True)
+class Balance:
+    """What of an answer does not balance, and what is small beside its forces and motions.
+
+    Attributes:
+        faults: In words; empty where all balances.
+        sizes: All forces at nodes from outside (``force``), these times the reach of the scene
+            (``moment``), the largest displacement, and that over the reach (``rotation``).
+    """
+
+    faults: tuple[str, ...] = ()
+    sizes: Mapping[str, float] = field(default_factory=dict)
+
+
+def balance_of(solved: Run, result: Result) -> Balance:
+    """Hold an answer against what it must satisfy; collective.
 
     Args:
         solved: The run.
         result: What it found.
     """
-    fields = _Fields(solved, result)
+    of = _Fields(solved, result)
     checks = (_inside, _of_couplings, _of_springs, _of_faces, _whole, _of_supports, _energies)
-    return [text for check in checks for text in check(fields)]
+    found = tuple(text for check in checks for text in check(of))
+    reach = max(of.spaces.comm.allgather(np.ptp(of.places)))
+    sizes = {"force": of.scale, "moment": of.scale * reach}
+    return Balance(found, sizes | {"displacement": of.largest, "rotation": of.largest / reach})
 
 
 class _Fields:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from mpi4py import MPI
 
 from fenics_contact import FenicsContactError, Result, Run
-from tests.random.balances import faults
+from tests.random.balances import Balance, balance_of
 from tests.random.scenes import RandomScene
 
 ANSWERED, UNTRUSTED = 0, 4
@@ -25,7 +25,7 @@ class Outcome:
         seconds: Of this rank, mesh and compilation included.
         mixed: Whether some contact slips and sticks at once.
         result: None after an error.
-        faults: What of an answer with couplings does not balance, in words.
+        balance: Of an answer with couplings.
     """
 
     code: int
@@ -33,7 +33,7 @@ class Outcome:
     seconds: float
     mixed: bool = False
     result: Result | None = None
-    faults: tuple[str, ...] = ()
+    balance: Balance = field(default_factory=Balance)
 
     @property
     def finite(self) -> bool:
@@ -57,10 +57,10 @@ def outcome_of(random: RandomScene, comm: MPI.Comm = MPI.COMM_WORLD) -> Outcome:
         words = f"{type(error).__name__}: {error}"
         return Outcome(error.exit_code, words, time.monotonic() - start)
     seconds = time.monotonic() - start
-    mixed, wrong = slips_and_sticks(result), list[str]()
+    mixed, balance = slips_and_sticks(result), Balance()
     if random.scene.coupling and result.exit_code == ANSWERED:
-        wrong = faults(solved, result)
-    return Outcome(result.exit_code, result.verdict, seconds, mixed, result, tuple(wrong))
+        balance = balance_of(solved, result)
+    return Outcome(result.exit_code, result.verdict, seconds, mixed, result, balance)
 
 
 def slips_and_sticks(result: Result) -> bool:

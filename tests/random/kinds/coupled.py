@@ -309,7 +309,7 @@ def _punch(dice: Dice) -> RandomScene:
     parts = [_block(draft, "body", (0.0, 0.0), (1.0, dice.between(0.5, 1.0)))]
     under = (0.0 if axial else 0.5, *(0.25,) * (size - 2), 0.0)
     shape = dice.of("plane", "parabola" if size == 2 and not axial else "paraboloid")
-    keys = {} if shape == "plane" else {"radius": short(draft.length * dice.between(10, 60))}
+    keys = {} if shape == "plane" else {"radius": short(draft.length * dice.between(30, 150))}
     up = (0.0,) * (size - 1) + (1.0,)
     obstacle = Obstacle(shape, position=draft.shape.point(*under), normal=draft.vector(*up), **keys)
     friction = draft.rub()
