@@ -7,13 +7,14 @@ forces that do work on them are forces. With K of the body, ∂²W/∂u∂q_j = 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
-from fenics_contact.body.description import CoupledGroup
+from fenics_contact.body.description import CoupledGroup, Joint
 from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.body.spaces import Spaces, summed_over_ranks, surface_integrals
 from fenics_contact.common import form_cache
@@ -70,6 +71,68 @@ class CoupledFace:
     def work(self, way: Way, value: float) -> float:
         """The force on the scalar of a way from a force or a moment."""
         return value if way[0] == "displacement" else value / self.reach
+
+
+class Joints:
+    """Springs between coupled faces, and between these and the ground, in scalars q of the body.
+
+    A stop acts once its stretch is more than its gap, and then pushes the faces back. So the energy
+    of all is ½ qᵀ K q of springs, and ½ ∑ k max(a · q − gap, 0)² of stops.
+
+    Attributes:
+        stiffness: K, (scalars, scalars) (force/length).
+
+    Args:
+        joints: What the scene says.
+        faces: All that move; their ways are the last scalars.
+        first: Number of scalars before these.
+    """
+
+    def __init__(self, joints: Sequence[Joint], faces: Sequence[CoupledFace], first: int) -> None:
+        ways = [(face, way) for face in faces for way in face.ways]
+        size = first + len(ways)
+        self.stiffness = np.zeros((size, size))
+        rows, stiff, gaps = [np.zeros((0, size))], list[float](), list[float]()
+        for joint in joints:
+            for way, stiffness in joint.stiffness:
+                row, gap = np.zeros(size), dict(joint.gaps).get(way, 0.0)
+                for number, sign in zip(joint.faces, (1.0, -1.0), strict=False):
+                    face = faces[number]
+                    row[first + ways.index((face, way))] = sign / face.amount(way, 1.0)
+                if gap == 0:
+                    self.stiffness += stiffness * np.outer(row, row)
+                    continue
+                rows.append(np.copysign(1.0, gap) * row[None])
+                stiff.append(stiffness)
+                gaps.append(abs(gap))
+        self._rows, self._stiff, self._gaps = np.concatenate(rows), np.array(stiff), np.array(gaps)
+
+    @property
+    def has_stops(self) -> bool:
+        """Whether some act only beyond a gap."""
+        return len(self._gaps) > 0
+
+    def _pressed(self, scalars: Array) -> Array:
+        """By how much stops are pressed together (length)."""
+        return np.asarray(np.maximum(self._rows @ scalars - self._gaps, 0.0))
+
+    def pull(self, scalars: Array) -> Array:
+        """Forces by which all pull the scalars back, (scalars,) (force)."""
+        return np.asarray(self.stiffness @ scalars + self.pull_of_stops(scalars))
+
+    def pull_of_stops(self, scalars: Array) -> Array:
+        """The part of stops in ``pull``."""
+        return np.asarray(self._rows.T @ (self._stiff * self._pressed(scalars)))
+
+    def tangent_of_stops(self, scalars: Array) -> Array:
+        """Derivative of ``pull_of_stops`` in the scalars, (scalars, scalars)."""
+        acting = np.where(self._pressed(scalars) > 0, self._stiff, 0.0)
+        return np.asarray(self._rows.T @ (acting[:, None] * self._rows))
+
+    def energy(self, scalars: Array) -> float:
+        """What they store (energy)."""
+        of_stops = self._stiff @ self._pressed(scalars) ** 2
+        return 0.5 * float(scalars @ self.stiffness @ scalars + of_stops)
 
 
 @dataclass(frozen=True, eq=False)

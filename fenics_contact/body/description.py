@@ -72,10 +72,13 @@ class Joint:
     Attributes:
         faces: Their numbers among all couplings; one of springs to the ground.
         stiffness: By way in which faces move (force/length, or force·length).
+        gaps: Of stops among these, which act once the first point has moved so far along an axis
+            relative to the second, or against it where they are < 0 (length).
     """
 
     faces: tuple[int, ...]
     stiffness: tuple[tuple[Way, float], ...]
+    gaps: tuple[tuple[Way, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -191,4 +194,5 @@ def _elastic(material: Material) -> Material:
 def _joint(spring: Spring, scene: Scene) -> Joint:
     labels = [coupling.label for coupling in scene.coupling]
     faces = tuple(labels.index(name) for name in spring.between if name != GROUND)
-    return Joint(faces, tuple(spring.by_way(scene.kinematics).items()))
+    ways, gaps = spring.by_way(scene.kinematics), spring.gaps(scene.kinematics)
+    return Joint(faces, tuple(ways.items()), tuple(gaps.items()))

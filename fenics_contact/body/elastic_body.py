@@ -12,6 +12,7 @@ only at first order.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 from ufl.core.expr import Expr
 
 from fenics_contact.body import materials as material
-from fenics_contact.body.coupled_face import CoupledFace, MotionsOfFaces
+from fenics_contact.body.coupled_face import CoupledFace, Joints, MotionsOfFaces
 from fenics_contact.body.description import BodyDescription, Joint
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
@@ -65,8 +66,8 @@ class ElasticBody:
         scalar_forces: What each scalar of the energy does to the body: such a change, then the ways
             in which these faces move.
         scalar_stiffness: Second derivatives of the energy in these, (scalars, scalars), with that
-            of springs between faces.
-        joint_stiffness: The part of these springs.
+            of springs between faces, but not of stops.
+        joints: Springs between faces, and between these and the ground.
         springs: Those of elastic supports.
         stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed, and springs.
         mixed: The forms of a mean stress, or None.
@@ -107,10 +108,10 @@ class ElasticBody:
             for number, each in enumerate(description.couplings)
         ]
         self.scalar_stiffness = np.diag([one.stiffness for one in self.scalar_forces])
-        self.joint_stiffness = np.zeros_like(self.scalar_stiffness)
         if self.faces:
             self._couple_faces(stiffness)
-            self._join_faces(description)
+        self.joints = self.joined(description.joints)
+        self.scalar_stiffness = self.scalar_stiffness + self.joints.stiffness
 
     def _couple_faces(self, stiffness: ufl.Form) -> None:
         """Add the ways in which faces move to the scalars of the energy; collective."""
@@ -134,23 +135,9 @@ class ElasticBody:
             shares = zip(self.scalar_forces[:first], works[:first, number], strict=True)
             motion.others.extend((one.present, float(share)) for one, share in shares)
 
-    def _join_faces(self, description: BodyDescription) -> None:
-        """Add the springs between faces to what scalars do to each other."""
-        every = [self.stiffness_of_joint(joint) for joint in description.joints]
-        self.joint_stiffness = np.sum([np.zeros_like(self.scalar_stiffness), *every], axis=0)
-        self.scalar_stiffness = self.scalar_stiffness + self.joint_stiffness
-
-    def stiffness_of_joint(self, joint: Joint) -> Array:
-        """The part of ``joint_stiffness`` that is that of some springs, (scalars, scalars)."""
-        ways = [(face, way) for face in self.faces for way in face.ways]
-        first, found = len(self.preloaded), np.zeros_like(self.scalar_stiffness)
-        for way, stiffness in joint.stiffness:
-            row = np.zeros(len(found))
-            for number, sign in zip(joint.faces, (1.0, -1.0), strict=False):
-                face = self.faces[number]
-                row[first + ways.index((face, way))] = sign / face.amount(way, 1.0)
-            found += stiffness * np.outer(row, row)
-        return found
+    def joined(self, joints: Sequence[Joint]) -> Joints:
+        """Return springs between the faces, such as one of the body's joints alone."""
+        return Joints(joints, self.faces, len(self.preloaded))
 
     def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:
         """The preloaded parts, which share no cells; collective."""

@@ -93,12 +93,17 @@ class BulkForces(InternalForces):
     def spring_energy(self) -> float:
         """In the springs of elastic supports, and between coupled faces."""
         at_feet = sum(foot.energy(self.displacement) for foot in self.problem.feet)
-        return at_feet + 0.5 * float(self._scalars @ self._pull_of_joints)
+        return at_feet + self._energy_of_joints
 
     @property
     def _scalars(self) -> Array:
         """Values of the body's scalars (length)."""
         return np.array([state.value for state in self.solution.scalars], dtype=np.float64)
+
+    @property
+    def _energy_of_joints(self) -> float:
+        """What springs between coupled faces store (energy)."""
+        return self.problem.elastic.joints.energy(self._scalars)
 
     @property
     def _pull_of_joints(self) -> Array:
@@ -206,9 +211,7 @@ class BulkForces(InternalForces):
             pulls = [one + other for one, other in zip(before.of_springs, pulls, strict=True)]
             feet = [other - one for one, other in zip(before._feet, feet, strict=True)]
         works = [self._summed(pull * foot) for pull, foot in zip(pulls, feet, strict=True)]
-        pull, changed = self._pull_of_joints, self._scalars
-        if before is not None:
-            pull, changed = pull + before._pull_of_joints, changed - before._scalars
-        works.append(float(pull @ changed))
+        stored = self._energy_of_joints - (before._energy_of_joints if before is not None else 0.0)
+        works.append(2 * stored)
         held = self._summed(reactions * moved) + sum(works)
         return 0.5 * self._summed(loads * moved), 0.5 * held

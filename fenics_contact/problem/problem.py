@@ -288,7 +288,22 @@ class Problem:
             (body_scalars,).
         """
         values = np.array([state.value for state in scalars], dtype=np.float64)
-        return np.asarray(self.elastic.joint_stiffness @ values)
+        return self.elastic.joints.pull(values)
+
+    @property
+    def stop_tangent(self) -> Array:
+        """Second derivatives of the energy of stops in the body's scalars at present."""
+        return self.elastic.joints.tangent_of_stops(self._scalar_values)
+
+    @property
+    def pull_of_stops(self) -> Array:
+        """Forces by which stops push the body's scalars back at present (force)."""
+        return self.elastic.joints.pull_of_stops(self._scalar_values)
+
+    @property
+    def _scalar_values(self) -> Array:
+        """Present values of the body's scalars, (body_scalars,) (length)."""
+        return np.array([one.value for one in self.body_scalars], dtype=np.float64)
 
     def moved_by_scalars(self, values: Array) -> Array | None:
         """Displacement of nodes that scalars of the body move, (nodes, components) (length).

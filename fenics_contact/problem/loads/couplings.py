@@ -206,6 +206,6 @@ class CoupledMotions:
         self.work = np.array([one.own_force for one in motions]) @ ways
         if comm.rank == 0:
             first = len(scalars) - len(motions)
-            springs = elastic.joint_stiffness[first:, first:]
+            springs = elastic.joints.stiffness[first:, first:]
             sprung = springs @ ways / (np.abs(springs).max() or 1.0)
             self.held = np.concatenate([ways[np.array(self.given, dtype=bool)], sprung])

@@ -185,10 +185,26 @@ class Spring:
     ] = None
 
     name: Annotated[Text | None, Field(description="name in words about the scene")] = None
+    gap: Annotated[
+        Annotated[Number, LENGTH] | Mapping[AxisName, Annotated[Number, LENGTH]],
+        Field(
+            description="of a stop: how far the first point moves along an axis, relative to the "
+            "second, before `stiffness` acts on it, which then pushes it back and never pulls; "
+            "> 0 for motion along the axis, < 0 against it, and 0 for a spring both ways; a number "
+            "for every axis with a `stiffness`, or component → number"
+        ),
+    ] = 0.0
 
     def __post_init__(self) -> None:
         if self.stiffness is None and self.rotational_stiffness is None:
             raise ValueError("give stiffness or rotational_stiffness")
+        named = self.gap if isinstance(self.gap, Mapping) else {}
+        stiff = self.stiffness if isinstance(self.stiffness, Mapping) else dict.fromkeys(AXES)
+        if self.stiffness is None and (self.gap or named):
+            raise ValueError("gap: is of stiffness, which is missing")
+        for axis in named:
+            if axis not in stiff:
+                raise ValueError(f"gap.{axis}: stiffness has no {axis}")
         one, other = self.between
         if one in (other, GROUND):
             raise ValueError(
@@ -212,6 +228,19 @@ class Spring:
                 found[way] = value
         return found
 
+    def gaps(self, kinematics: Kinematics) -> dict[Way, float]:
+        """Return the gap of each way that has a stiffness and a gap (length).
+
+        Args:
+            kinematics: Of the model.
+        """
+        found: dict[Way, float] = {}
+        for kind, axis in self.by_way(kinematics):
+            gap = self.gap.get(axis, 0.0) if isinstance(self.gap, Mapping) else self.gap
+            if kind == "displacement" and gap != 0:
+                found[kind, axis] = gap
+        return found
+
     def require_model(self, kinematics: Kinematics, couplings: Sequence[str], key: str) -> None:
         """Refuse what a kinematic model does not have, and couplings that are not there.
 
@@ -224,7 +253,8 @@ class Spring:
             ValueError: In words that begin with the key.
         """
         known = ways_of(kinematics)
-        for name, kind in (("stiffness", "displacement"), ("rotational_stiffness", "rotation")):
+        kinds = {"stiffness": "displacement", "rotational_stiffness": "rotation"}
+        for name, kind in (*kinds.items(), ("gap", "displacement")):
             value = getattr(self, name)
             axes = [axis for each, axis in known if each == kind]
             if value is not None and not axes:

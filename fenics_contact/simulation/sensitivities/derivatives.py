@@ -132,8 +132,6 @@ class QuantityGradient:
             found += itself
             scalars = self.multipliers.scalars
             found += sum(float(scalars[place] * by) for place, by in change.scalars.items())
-            if change.joints is not None:
-                found += self._along_joints(change.joints)
         return float(total(problem.comm, found))
 
     @cached_property
@@ -163,14 +161,6 @@ class QuantityGradient:
         if place in self._springs:
             felt = felt + self._springs[place][: len(forces)]
         return float(np.sum(felt * forces))
-
-    def _along_joints(self, stiffness: Array) -> float:
-        """Change by what springs between coupled faces add to their pull, unless it moves none."""
-        problem, first = self._problem, len(self.multipliers.scalars)
-        first -= len(problem.body_scalars)
-        pull = stiffness @ problem.of_body_scalars(self._step.unknowns.scalars)
-        free = np.array([one.held is None for one in problem.body_scalars])
-        return -float(self.multipliers.scalars[first:][free] @ pull[free])
 
     def _along_modulus(self, number: int, name: str) -> float:
         """(e/2 u − ψ) · K_θ u of a quantity that has e times the strain energy in it."""

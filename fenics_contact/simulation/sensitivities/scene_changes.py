@@ -50,8 +50,6 @@ class Change:
         modulus: Number of a material and name of its modulus, if it is one.
         springs: Number of a foot of ``Problem.feet`` → how forces of its springs on the body
             change with a displacement of the body, (nodes, components); collective.
-        joints: What is added to ``ElasticBody.joint_stiffness``, (body_scalars, body_scalars);
-            None for nothing.
         of_resultants: What forces and energies change by, over themselves, with all else the same.
     """
 
@@ -62,7 +60,6 @@ class Change:
     columns: Mapping[int, Array] = field(default_factory=dict)
     modulus: tuple[int, str] | None = None
     springs: Mapping[int, Callable[[Array], Array]] = field(default_factory=dict)
-    joints: Array | None = None
     of_resultants: float = 0.0
 
     def added(self, other: Change) -> Change:
@@ -231,8 +228,16 @@ class SceneChanges:
             if way[0] == kinds[rest[0]] and rest[1:] in ([], [way[1]])
         ]
         joint = problem.discrete.description.joints[number]
-        unit = replace(joint, stiffness=tuple((way, 1.0) for way in ways))
-        return Change(joints=problem.elastic.stiffness_of_joint(unit))
+        unit = problem.elastic.joined([replace(joint, stiffness=tuple((w, 1.0) for w in ways))])
+        every = problem.body_scalars
+        pull = unit.pull(np.array([one.value for one in every]))
+        return Change(
+            scalars={
+                problem.unknowns.index(one): -float(more)
+                for one, more in zip(every, pull, strict=True)
+                if one.held is None
+            }
+        )
 
     @property
     def _motions(self) -> list[FaceMotion]:

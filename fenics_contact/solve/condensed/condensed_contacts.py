@@ -338,6 +338,7 @@ class CondensedContacts:
         tangent = self.tangent
         if tangent is not None:
             tangent.border.hold(self.is_held)
+            tangent.border.stiffen(self._problem.stop_tangent)
             if springs:
                 stiffness = self._stiffness[self.sprung]
                 found.append((self.sprung, self.sprung, springs * stiffness))

@@ -260,6 +260,7 @@ class CondensedSystem(System):
             return
         driving = np.array([unknown.force for unknown in self.problem.unknowns])
         left -= np.concatenate([self._condensed.own, driving])
+        left[self._contacts.size :] += self.problem.pull_of_stops
         left[[self._count + number for number in self.held_scalars]] = 0.0
         for force in forces:
             left[: self._contacts.size] -= force

@@ -96,6 +96,7 @@ class ScalarBorder:
 
     def __init__(self, columns: Array, corner: Array, units: Array) -> None:
         self._columns, self._corner, self._units = columns, corner, units
+        self._added = np.zeros_like(corner)
         self._solved: Array | None = None
         self._held = np.zeros(len(corner), dtype=bool)
 
@@ -117,8 +118,16 @@ class ScalarBorder:
         """Say which scalars are held, (scalars,)."""
         self._held = held
 
+    def stiffen(self, added: Array) -> None:
+        """Say what D has besides in the tangent, (scalars, scalars): it changes with the answer."""
+        self._added = added
+
+    def times_added(self, scalars: Array) -> Array:
+        """What is added to D times q."""
+        return np.asarray(self._added @ scalars)
+
     def times(self, inner: Array, scalars: Array) -> tuple[Array, Array]:
-        """C q, and Cᵀ y + D q.
+        """C q, and Cᵀ y + D q, without what is added to D.
 
         Args:
             inner: y.
@@ -162,7 +171,9 @@ class ScalarBorder:
     def _own_rows(self) -> tuple[Array, Array]:
         """Cᵀ and D with unit rows for scalars that are held."""
         held, units = self._held[:, None], np.diag(self._units)
-        return np.where(held, 0.0, self._columns.T), np.where(held, units, self._corner)
+        return np.where(held, 0.0, self._columns.T), np.where(
+            held, units, self._corner + self._added
+        )
 
 
 class BorderedSplit:

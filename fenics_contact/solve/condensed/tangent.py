@@ -252,7 +252,9 @@ class ContactTangent:
 
     def multiply(self, values: Array) -> Array:
         """The tangent times all unknowns."""
-        return self._with_border(values, self.inner.multiply)
+        found = self._with_border(values, self.inner.multiply)
+        found[self.inner.size :] += self.border.times_added(values[self.inner.size :])
+        return found
 
     def times(self, values: Array) -> Array:
         """The tangent without contacts times all unknowns."""

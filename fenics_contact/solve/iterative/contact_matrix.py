@@ -232,6 +232,7 @@ class ContactMatrix(AddedTangents):
             self._add_borders(self.matrix, surface, motions, found)
         self.add_prescribed(self.matrix)
         self.add_forces(self.matrix)
+        self.add_stops(self.matrix)
         self.matrix.assemble()
         self.matrix.zeroRowsColumns(self._constrained, diag=0.0)
         if self._problem.body_scalars:

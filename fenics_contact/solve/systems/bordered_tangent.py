@@ -180,6 +180,15 @@ class AddedTangents:
             rows = np.array([self._scalar_row(tangent, n) for n in last], dtype=PETSc.IntType)
             tangent.setValues(rows, rows, self._problem.elastic.scalar_stiffness, addv=add)
 
+    def add_stops(self, tangent: PETSc.Mat) -> None:
+        """Add stops between coupled faces, as they act at present; collective."""
+        if self._problem.elastic.joints.has_stops and self._problem.comm.rank == 0:
+            first = self.scalars - len(self._problem.body_scalars)
+            rows = [self._scalar_row(tangent, n) for n in range(first, self.scalars)]
+            places = np.array(rows, dtype=PETSc.IntType)
+            add = PETSc.InsertMode.ADD_VALUES
+            tangent.setValues(places, places, self._problem.stop_tangent, addv=add)
+
     def _bulk_columns(self, forces: ScalarForces) -> list[tuple[Integers, Array]]:
         """Rows of this rank that a scalar puts forces on, and the forces of a unit of it."""
         own = forces.nodal.reshape(-1)[: self._owned]

@@ -196,6 +196,7 @@ class FullSystem(BodySystem):
             contact.follow()
         self._system.add_contacts(tangent)
         self._system.add_prescribed(tangent)
+        self._system.add_stops(tangent)
         if springs:
             for row, stiffness in zip(*self._sprung, strict=True):
                 tangent.setValue(row, row, springs * stiffness, addv=PETSc.InsertMode.ADD_VALUES)

@@ -279,7 +279,9 @@ class System(ABC):
         Without the forces that the body itself has in them.
         """
         pairs = zip(self.problem.unknowns, values, strict=True)
-        return np.array([u.imbalance(float(value), self.pushed(u, forces)) for u, value in pairs])
+        found = [u.imbalance(float(value), self.pushed(u, forces)) for u, value in pairs]
+        first = len(found) - len(self.problem.body_scalars)
+        return np.array([*found[:first], *(found[first:] + self.problem.pull_of_stops)])
 
 
 # Of the largest row of motions, below which a row tells of no further motion.
