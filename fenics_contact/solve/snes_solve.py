@@ -21,6 +21,7 @@ from fenics_contact.common.petsc_options import PREFIX
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.noise import round_off
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.closing import ClosingByTurns
 from fenics_contact.solve.globalisation import (
     ENERGY_SEARCH,
     FULL_STEPS,
@@ -71,6 +72,8 @@ class SnesSolve:
         steps: Newton steps of all solves.
         limit: Imbalance that the last solve accepted as converged (force).
         budget: How many more steps are allowed, if that is bounded.
+        closes_by_turns: Whether, where friction alone holds bodies, points close by turns
+            (``closing``), in place of steps that are cut.
 
     Args:
         problem: The problem.
@@ -96,6 +99,7 @@ class SnesSolve:
         self.budget = StepBudget()
         self._chatter = Chatter(problem.contacts, problem.comm)
         self._one_sided = any(contact.is_one_sided for contact in problem.contacts)
+        self.closes_by_turns = False
         # How the next solve goes about it.
         self._tolerance = problem.scene.solver.tolerance
         self._searches = False
@@ -107,6 +111,7 @@ class SnesSolve:
         self._fewest = 0
         # What is known of it on its way.
         self._damping = StepDamping()
+        self._closing: ClosingByTurns | None = None
         self._stopped = stopped or (lambda: False)
         self._is_stopped = False
         self._tiny = 0.0
@@ -156,6 +161,7 @@ class SnesSolve:
                 snes.solve(None, self.system.state)
                 reason = snes.getConvergedReason()
                 failure = mumps.failure_of(snes.getKSP().getPC()) if reason == NO_SOLVE else None
+                self._release()  # no residual comes after the last tangent
                 self.system.take(self.system.state)
             except PETSc.Error as error:
                 raise original(error) from None
@@ -210,9 +216,12 @@ class SnesSolve:
         snes.setTolerances(rtol=self._tolerance, atol=0.0, stol=0.0, max_it=most)
         system.prepare(snes)
         snes.setFromOptions()
+        by_turns = self._cuts_growth and self.closes_by_turns and not self._searches
+        self._closing = ClosingByTurns(self.problem.contacts) if by_turns else None
         if not self._searches:
             self._damping = StepDamping()
-            snes.setLineSearchPreCheck(self._damp_or_cut if self._cuts_growth else self._damp)
+            cuts = self._cuts_growth and not by_turns
+            snes.setLineSearchPreCheck(self._damp_or_cut if cuts else self._damp)
         elif self._search is THOROUGH_SEARCH:
             snes.setLineSearchPreCheck(self._cut)
         snes.setConvergenceTest(self._converged)
@@ -259,7 +268,13 @@ class SnesSolve:
 
     def _set_residual(self, snes: PETSc.SNES, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         with self.timings.phase("assemble"):
+            self._release()
             self.system.balance(state, residual)
+
+    def _release(self) -> None:
+        """Let points that were held open for a step be as they are."""
+        if self._closing is not None:
+            self._closing.release()
 
     def _set_tangent(
         self, snes: PETSc.SNES, state: PETSc.Vec, tangent: PETSc.Mat, preconditioner: PETSc.Mat
@@ -267,6 +282,8 @@ class SnesSolve:
         with self.timings.phase("assemble"):
             own, springs = self.imbalances[self._before :], self._springs
             share = 0.0 if springs is None else springs.share(own, self.system.forces)
+            if self._closing is not None and self._closing.hold_open():
+                self.system.balance(state, self.system.residual)  # what the step is to balance
             self.system.linearise(state, share)
 
     def _converged(

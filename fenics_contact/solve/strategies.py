@@ -116,7 +116,7 @@ class _Strategies:
                 )
             except (StalledError, NotConvergedError) as error:
                 attempts.append(f"{_WORDS[way]}: {error}")
-                if strategy == "auto" and number == 0:
+                if strategy == "auto" and number == 0 and not self.newton.closes_by_turns:
                     chosen += self._next_ways(way, isinstance(error, GrowsError))
                 if number + 1 == len(chosen):
                     imbalances = tuple(self.newton.imbalances)

@@ -21,7 +21,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import NotConvergedError
-from fenics_contact.common.parallel import largest
+from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import TELLING, carries_more_than, is_open_or_carries
 from fenics_contact.problem.problem import Problem
@@ -90,8 +90,12 @@ def _needed(contact: ContactSurface, pressure: Array) -> float:
     return contact.friction.regularisation.needed(contact.friction_term.bound_of(pressure))
 
 
-# Stiffness of glue along the surface, over E/h: nothing is to have slipped yet.
-_GLUE = 1e4
+# Stiffness of glue along the surface, over E/h: nothing is to have slipped yet. Along a curved
+# surface, as of a pin in a hole, glue may carry what is to be pressure, so that nothing presses.
+# Where points close by turns it is so soft there that it only holds what nothing else does.
+_GLUE, _SOFT_GLUE = 1e4, 1e-2
+# Length of the mean of unit normals from which a surface is flat.
+_FLAT = 0.99
 # Where glue holds what friction has to hold: factors by which penalties are softened on the way,
 # Newton steps under each, the imbalance over the forces that is left under the softest, and share
 # of a contact's force to which its pressures are to be known for ε.
@@ -144,19 +148,25 @@ def contact_without_friction(
 
 def _solve(newton: Newton, tolerance: float | None, is_glued: bool, is_held: bool = False) -> None:
     if is_glued:
-        _glue(newton.problem)
+        _glue(newton.problem, newton.closes_by_turns)
     else:
         for contact in newton.problem.coulomb:
             contact.friction_term.exert_nothing()
     newton.run(tolerance=tolerance, is_held=is_held)
 
 
-def _glue(problem: Problem) -> None:
-    """Glue Coulomb contacts along the surface where they press, or touch; collective."""
+def _glue(problem: Problem, is_soft: bool = False) -> None:
+    """Glue Coulomb contacts along the surface where they press, or touch; collective.
+
+    Args:
+        problem: The problem.
+        is_soft: Whether glue is soft along curved contacts.
+    """
     touch = [_touches(contact) for contact in problem.coulomb]
     for contact, touches in zip(problem.coulomb, touch, strict=True):
         contact.friction_term.exert_nothing()
-        stiffness = _GLUE * contact.moduli.combined / contact.facet_size
+        glue = _SOFT_GLUE if is_soft and not _is_flat(contact) else _GLUE
+        stiffness = glue * contact.moduli.combined / contact.facet_size
         contact.friction_term.glue(stiffness, _to_glue(contact, touches or not any(touch)))
 
 
@@ -187,7 +197,7 @@ def near_friction(newton: Newton) -> None:
     """Go to near contact with friction, where friction alone holds bodies; collective.
 
     Glue tells the pressures, and by them ε; friction then begins where the step does, so that
-    nothing drifts.
+    nothing drifts. Where points close by turns, it begins from those that touch under glue.
 
     Args:
         newton: Goes on from its present state.
@@ -200,6 +210,9 @@ def near_friction(newton: Newton) -> None:
         if not all([is_open_or_carries(contact, limit, _ROUGHLY) for contact in contacts]):
             contact_without_friction(newton, is_held=True)
     is_easy = newton.steps - before <= _EASY
+    if newton.closes_by_turns and not is_easy:
+        newton.system.take(newton.system.state)  # under the contacts' own penalties
+        return
     newton.restore(start)
     if is_easy:
         return
@@ -207,6 +220,14 @@ def near_friction(newton: Newton) -> None:
         contact.friction_term.follow_pressure()
     path.follow(partial(newton.take_steps, _STEPS))
     newton.system.take(newton.system.state)
+
+
+def _is_flat(contact: ContactSurface) -> bool:
+    """Whether normals are about the same everywhere; collective."""
+    trace = contact.trace
+    mean = total(contact.spaces.comm, trace.normals[trace.owned].sum(axis=0))
+    count = total(contact.spaces.comm, float(trace.owned.sum()))
+    return float(np.linalg.norm(mean)) > _FLAT * float(count)
 
 
 def _touches(contact: ContactSurface) -> bool:

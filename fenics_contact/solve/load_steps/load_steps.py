@@ -226,11 +226,11 @@ class LoadSteps(StepTries):
             found = self._try(time)
         except NotConvergedError as error:
             self.spent += self.newton.steps
-            if self._fails_again(error) or not self.pace.cut():
-                raise
-            logger.info("time %g: %s; a smaller step", time, error)
-            self.go_back()
-            return
+            if not self._fails_again(error) and self.pace.cut():
+                logger.info("time %g: %s; a smaller step", time, error)
+                self.go_back()
+                return
+            found = self._try_by_turns(time, error)
         change = contact_change(self.problem, self.last, found)
         if self.pace.exceeds(change) and self.pace.cut():
             logger.info("time %g: contact changes by %.0f %%; a smaller step", time, 100 * change)

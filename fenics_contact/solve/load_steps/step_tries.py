@@ -27,6 +27,8 @@ from fenics_contact.solve.without_friction import follow_pressure
 
 # Of pseudo-times that are the same.
 _SAME = 1e-9
+# Strategies that have Newton's method on contact and friction together.
+_BY_TURNS = ("auto", "monolithic")
 
 
 class StepRollback:
@@ -184,6 +186,32 @@ class StepTries(StepRollback):
                 if not system.take_in_closed():
                     return found
             self.go_back()
+
+    def _try_by_turns(self, time: float, error: NotConvergedError) -> Solution:
+        """Solve a step that no other way solves, with points that close by turns; collective.
+
+        Where friction alone holds bodies. The steps that follow begin so, too; where one of them
+        fails, points close at once again.
+
+        Args:
+            time: Pseudo-time of the step.
+            error: With which the other ways ended.
+
+        Raises:
+            NotConvergedError: The one given, where this is no way or does not end either.
+        """
+        newton, problem = self.newton, self.problem
+        self.go_back()
+        goes = problem.scene.solver.strategy in _BY_TURNS and bool(problem.coulomb)
+        if not (goes and is_held_by_friction(problem)):
+            raise error
+        logger.info("%s; next: with points that close by turns", error)
+        newton.closes_by_turns = not newton.closes_by_turns
+        try:
+            return self._try(time)
+        except NotConvergedError as other:
+            newton.closes_by_turns = not newton.closes_by_turns
+            raise error from other
 
     def _try_once(self, time: float) -> Solution:
         """Solve a step, from where it is thought to end or else from where it begins."""
