@@ -5,6 +5,7 @@ import functools
 import sys
 from types import SimpleNamespace
 
+import gmsh
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -21,6 +22,9 @@ COMM = MPI.COMM_WORLD
 PULL = 5e3
 # Newton steps of a solve that are too few for all other ways.
 FEW = 20
+# Gmsh 4.13 finds an end of the pin among its sides: the scene is refused.
+SEES_SIDES = tuple(map(int, gmsh.__version__.split(".")[:2])) >= (4, 15)
+of_lug = pytest.mark.skipif(not SEES_SIDES, reason="it is for another version of Gmsh")
 
 
 class Row:
@@ -80,7 +84,7 @@ def test_points_that_close_again_and_again_wait_for_others_farther_away():
 
 def lug(**solver):
     """A lug that is pulled by its pin, in holes that are wider, in one load step."""
-    given = clevis(Mesh(10, 8), clearance=0.02, pull=PULL)
+    given = clevis(Mesh(10, 10), clearance=0.02, pull=PULL)
     given = dataclasses.replace(given, steps=Steps(number=1))
     return with_solver(given, errors="none", **solver)
 
@@ -90,6 +94,7 @@ def answer(**solver):
     return Run(lug(**solver), COMM).solve()
 
 
+@of_lug
 def test_they_lead_to_an_answer_where_no_other_way_does(monkeypatch):
     result = answer(max_iterations=FEW)
     assert result.converged, result.verdict
@@ -103,6 +108,7 @@ def test_they_lead_to_an_answer_where_no_other_way_does(monkeypatch):
     assert not Run(lug(max_iterations=FEW), COMM).solve().converged
 
 
+@of_lug
 def test_the_answer_is_that_of_the_other_ways():
     """Which have one where they may take more steps; it is then theirs."""
     mine, other = answer(max_iterations=FEW), answer()
@@ -112,6 +118,7 @@ def test_the_answer_is_that_of_the_other_ways():
             assert one.quantities[name] == pytest.approx(two.quantities[name], rel=1e-3), name
 
 
+@of_lug
 def test_where_they_lead_nowhere_either_the_first_failure_is_told():
     result = answer(max_iterations=2)
     assert not result.converged
