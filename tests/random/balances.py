@@ -14,7 +14,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_contact import Result, Run
+from fenics_contact import Result, Run, Spring
 from fenics_contact.common import form_cache
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.scene.loading.couplings import GROUND, Way, ways_of
@@ -178,6 +178,14 @@ class _Fields:
         """Whether symmetry across x keeps a coupling from moving so."""
         return bool(self.scene.symmetry) and (way[0] == "displacement") == (way[1] == "x")
 
+    def stretch(self, spring: Spring, way: Way) -> float:
+        """Of a spring along a way; of a stop what is beyond its gap, and 0 before."""
+        one, other = (self.motion(name)[way] for name in spring.between)
+        gap = spring.gaps(self.scene.kinematics).get(way, 0.0)
+        if gap == 0:
+            return one - other
+        return max(one - other - gap, 0.0) if gap > 0 else min(one - other - gap, 0.0)
+
     def motion(self, name: str) -> dict[Way, float]:
         """How a coupling moves by what results say; the ground does not."""
         ways = ways_of(self.scene.kinematics)
@@ -255,9 +263,8 @@ def _of_springs(of: _Fields) -> Iterator[str]:
             size = abs(force)
             for spring in of.scene.spring:
                 if coupling.label in spring.between:
-                    (other,) = set(spring.between) - {coupling.label}
-                    stiffness = spring.by_way(kinematics).get(way, 0.0)
-                    pull = stiffness * (moved[way] - of.motion(other)[way])
+                    pull = spring.by_way(kinematics).get(way, 0.0) * of.stretch(spring, way)
+                    pull *= 1.0 if coupling.label == spring.between[0] else -1.0
                     force, size = force - pull, size + abs(pull)
             found = _entry(row.force, row.moment, way)
             arm = 1.0 if way[0] == "displacement" else reach
@@ -376,8 +383,7 @@ def _energies(of: _Fields) -> Iterator[str]:
     if scene.spring and not any(one.is_elastic for one in scene.support):
         stored = 0.0
         for spring in scene.spring:
-            one, other = (of.motion(name) for name in spring.between)
             for way, stiffness in spring.by_way(scene.kinematics).items():
-                stored += 0.5 * stiffness * (one[way] - other[way]) ** 2
+                stored += 0.5 * stiffness * of.stretch(spring, way) ** 2
         if not abs(told["spring_energy"] - stored) <= 1e-6 * (stored + size):
             yield f"springs store {stored}, results say {told['spring_energy']}"

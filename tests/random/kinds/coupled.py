@@ -161,6 +161,8 @@ class _Draft:
             keys["stiffness"] = {dice.of(*axes): short(stiff)}
         if what in ("both", "about"):
             keys["rotational_stiffness"] = short(stiff * self.length**2)
+        if "stiffness" in keys and not firmly and dice.chance(40):
+            keys["gap"] = short(1e-3 * self.length * dice.of(1, -1) * dice.logarithmic(1e-2, 1))
         self.spring.append(Spring(between=(one, other), **keys))
 
     def hold(self, on: str, flat: bool = True) -> bool:
