@@ -13,6 +13,7 @@ from fenics_contact.contact.kinematics import ContactKinematics
 from fenics_contact.contact.mortar.facet_mesh import PointFunction, lowest_points, normalised
 from fenics_contact.contact.rigid_obstacle import RigidObstacle
 from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.mesh.rigid_surface import load_surface
 from fenics_contact.scene.obstacle import Obstacle
 
 # Of the spacing of points: a place between them that is nearer by no more is none.
@@ -41,7 +42,7 @@ class ObstacleKinematics(ContactKinematics):
     def __init__(self, trace: Trace, obstacle: Obstacle | None, key: str) -> None:
         super().__init__(trace)
         self._left_out = np.zeros(len(trace.weights), dtype=bool)
-        self._has_shape = obstacle is not None and obstacle.shape is not None
+        self._has_shape = obstacle is not None and bool(obstacle.shape or obstacle.file)
         self._measured = self.gap
         self._counts: Integers | None = None
         if obstacle is not None:
@@ -50,7 +51,11 @@ class ObstacleKinematics(ContactKinematics):
     def _place(self, obstacle: Obstacle, key: str) -> None:
         trace, comm = self.trace, self._spaces.comm
         normals = gather_rows(comm, trace.normals[trace.owned])
-        self._obstacle = RigidObstacle(obstacle, self._spaces.kinematics, normals, key)
+        surface = None
+        if obstacle.file is not None:
+            surface = load_surface(obstacle.file, f"{key}.file", comm)
+        kinematics = self._spaces.kinematics
+        self._obstacle = RigidObstacle(obstacle, kinematics, normals, key, surface)
         self.direction = self._obstacle.direction
         if self._obstacle.has_axis:
             self.axis = self.direction
@@ -183,8 +188,9 @@ class ObstacleKinematics(ContactKinematics):
         The part along a normal closes the gap through the jump; the gap itself is that of
         the obstacle moved by the part along the surface.
         """
-        self.displacement = displacement
-        self._measured = np.where(self._left_out, np.inf, self._whole())
+        if not np.array_equal(displacement, self.displacement):
+            self.displacement = displacement
+            self._measured = np.where(self._left_out, np.inf, self._whole())
         self.stand()
 
     def stand(self) -> None:

@@ -18,6 +18,8 @@ from fenics_contact.analytic import obstacle_shapes
 from fenics_contact.analytic.obstacle_shapes import Sizes
 from fenics_contact.common.arrays import Array, Integers, in_3d
 from fenics_contact.common.errors import InputError
+from fenics_contact.contact.facet_obstacle import FacetObstacle
+from fenics_contact.mesh.rigid_surface import RigidSurface
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import Kinematics, Profile
 
@@ -43,19 +45,27 @@ class RigidObstacle:
         surface_normals: Outward unit normals of the contact surface, at all of its points
             on all ranks, shape (points, components); they give the default orientation.
         key: Where the scene describes it, for messages.
+        surface: Of the file that it is from; None of others.
 
     Raises:
         InputError: The shape does not fit the kinematics, or a direction is missing.
     """
 
     def __init__(
-        self, obstacle: Obstacle, kinematics: Kinematics, surface_normals: Array, key: str
+        self,
+        obstacle: Obstacle,
+        kinematics: Kinematics,
+        surface_normals: Array,
+        key: str,
+        surface: RigidSurface | None = None,
     ) -> None:
         self._obstacle = obstacle
+        self._facets = None if surface is None else FacetObstacle(surface)
+        self._shape = self._facets or obstacle.kind
         self._kinematics = kinematics
         self._key = key
         self._require_shape()
-        says = (obstacle.shape, obstacle.normal, obstacle.direction)
+        says = (self._shape, obstacle.normal, obstacle.direction)
         self.has_axis = any(key is not None for key in says)
         given = _unit(obstacle.normal)
         self._normal: Array = self._facing(surface_normals) if given is None else given
@@ -75,7 +85,9 @@ class RigidObstacle:
 
         Its radius is none: however large, gaps are as right as those to a plane.
         """
-        return float(np.linalg.norm(self._apex))
+        facets = self._facets
+        own = 0.0 if facets is None else float(np.linalg.norm(facets.middle)) + facets.radius
+        return float(np.linalg.norm(self._apex)) + own
 
     def number(self, name: str, axis: int) -> float:
         """Number of the obstacle: radius or coordinate of its position (length), or a direction."""
@@ -132,7 +144,10 @@ class RigidObstacle:
         Returns:
             Samples along a facet's side, (facets,): none where it is flat or not before the facet.
         """
-        obstacle, shape = self._obstacle, self._obstacle.kind
+        obstacle, shape = self._obstacle, self._shape
+        if self._facets is not None:
+            may_meet = self._facets.is_before(centres - self._apex, radii, in_3d(normals))
+            return np.where(may_meet, _counts(radii, np.inf), 0)
         if isinstance(obstacle.gap, Profile):
             spacing = float(np.diff(obstacle.gap.at).min())
             return _counts(radii, spacing)
@@ -167,7 +182,7 @@ class RigidObstacle:
             return obstacle.gap(points.T)
         if callable(obstacle.gap):
             return self._gap_function(obstacle.gap, points, position)
-        shape = obstacle.kind
+        shape = self._shape
         if shape is None:
             return np.full(len(points), float(obstacle.gap or 0.0))
         rays = np.zeros((len(points), 3))
@@ -197,9 +212,11 @@ class RigidObstacle:
         return np.array(values, dtype=np.float64)
 
     def _require_shape(self) -> None:
-        shape, kinematics = self._obstacle.kind, self._kinematics
+        shape, kinematics = self._shape, self._kinematics
         if shape is None:
             return
+        if self._facets is not None and kinematics != "3D":
+            raise InputError(f"{self._key}.file: is for 3D models, not for {kinematics}")
         if kinematics not in shape.models:
             accepted = obstacle_shapes.names_in(kinematics)
             raise InputError(
@@ -221,7 +238,7 @@ class RigidObstacle:
             return
         if self._apex[0] != 0:
             raise InputError(f"{self._key}.position: must lie on the axis, x = 0")
-        tilted = self._obstacle.shape is not None and abs(self._normal[0]) > _FLAT
+        tilted = self._shape is not None and abs(self._normal[0]) > _FLAT
         moved = (self._obstacle.displacement or (0.0,))[0] != 0
         if tilted or moved or (self._driven() and abs(self.direction[0]) > _FLAT):
             raise InputError(
@@ -237,9 +254,9 @@ class RigidObstacle:
             mean = mean / size
             if np.abs(surface_normals - mean).max(initial=0.0) <= _FLAT:
                 return in_3d(-mean)
-        if obstacle.shape is None and obstacle.direction is not None:
+        if self._shape is None and obstacle.direction is not None:
             return in_3d(obstacle.direction) / np.linalg.norm(obstacle.direction)
-        if obstacle.shape is None and not self._driven():
+        if self._shape is None and not self._driven():
             return in_3d(-mean) if size > _FLAT else np.zeros(3)
         raise InputError(
             f"{self._key}.normal is missing: the contact surface is curved, so say which way "

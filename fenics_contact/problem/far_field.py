@@ -269,7 +269,7 @@ class FarField:
         apex = np.zeros(3)
         if obstacle is not None and obstacle.position is not None:
             apex[: self._spaces.components] = obstacle.position
-        elif obstacle is None or (obstacle.shape is None and obstacle.gap is None):
+        elif obstacle is None or not obstacle.has_form:
             trace = contact.trace
             apex = trace.integral(trace.coordinates) / trace.integral(np.ones(len(trace.weights)))
             if self._spaces.kinematics == "axisymmetric":

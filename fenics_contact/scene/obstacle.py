@@ -46,6 +46,13 @@ class Obstacle:
             "`cylinder` in plane and 3D ones; a `flat punch` ends at its radius"
         ),
     ] = None
+    file: Annotated[
+        Text | None,
+        Field(
+            description="in place of a shape, in 3D models: an `.stl`, `.step`, `.stp` or `.brep` "
+            "file of a surface, whose path is from the scene's folder"
+        ),
+    ] = None
     radius: Annotated[
         Positive | None,
         LENGTH,
@@ -68,8 +75,8 @@ class Obstacle:
     position: Annotated[
         Place | None,
         Field(
-            description="apex, a point of a plane, or where a gap's force acts on a half-space; "
-            "by default the origin"
+            description="apex, a point of a plane, the place of a file's origin, or where a gap's "
+            "force acts on a half-space; by default the origin"
         ),
     ] = None
     normal: Annotated[
@@ -112,12 +119,13 @@ class Obstacle:
     ] = RAMP
 
     def __post_init__(self) -> None:
-        if self.shape is not None and self.gap is not None:
-            raise ValueError("give either a shape or a gap")
+        given = [key for key in ("shape", "file", "gap") if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"give either {' or '.join(f'a {key}' for key in given)}")
         if self.force is not None and self.indentation is not None:
             raise ValueError("give either an indentation or a force")
-        if self.shape is None and self.gap is None and self.position is not None:
-            raise ValueError("position: only a shape or a gap has one")
+        if not given and self.position is not None:
+            raise ValueError("position: only a shape, a file or a gap has one")
         kind = self.kind
         if self.along is not None and not (kind and kind.has_lines):
             raise ValueError("along: only a 3D parabola or cylinder has such a direction")
@@ -134,6 +142,11 @@ class Obstacle:
             vector = getattr(self, key)
             if vector is not None and not any(vector):
                 raise ValueError(f"{key} must not be a zero vector")
+
+    @property
+    def has_form(self) -> bool:
+        """Whether it has a form of its own; else it touches the surface everywhere."""
+        return not (self.shape is None and self.file is None and self.gap is None)
 
     @property
     def kind(self) -> ObstacleShape | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 import re
 import tomllib
 from collections.abc import Sequence
@@ -198,9 +197,8 @@ def _in_short(number: float) -> str:
 
 
 def _beside(scene: Scene, folder: Path) -> Scene:
-    """The scene with its mesh files' paths taken from the scene file's folder."""
-    meshes = [dataclasses.replace(mesh, file=str(folder / mesh.file)) for mesh in scene.mesh]
-    return dataclasses.replace(scene, mesh=tuple(meshes))
+    """The scene with its files' paths taken from the scene file's folder."""
+    return scene.with_files(lambda file: str(folder / file))
 
 
 def _override(data: dict[str, Any], setting: str, option: str) -> None:

@@ -6,7 +6,7 @@ scene file (``fenics_contact.scene.reading``). Units are the user's, consistent.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any
@@ -238,6 +238,32 @@ class Scene(CoreScene):
 
     def __post_init__(self) -> None:
         require_fit(self)
+
+    @property
+    def files(self) -> list[str]:
+        """Files that it names: of meshes, then of obstacles."""
+        obstacles = (contact.obstacle for contact in self.contact)
+        return [
+            *(mesh.file for mesh in self.mesh),
+            *(one.file for one in obstacles if one is not None and one.file is not None),
+        ]
+
+    def with_files(self, path_of: Callable[[str], str]) -> Scene:
+        """The scene with other paths of its files.
+
+        Args:
+            path_of: Gives the new path of each.
+        """
+        meshes = tuple(replace(mesh, file=path_of(mesh.file)) for mesh in self.mesh)
+        contacts = tuple(
+            contact
+            if contact.obstacle is None or contact.obstacle.file is None
+            else replace(
+                contact, obstacle=replace(contact.obstacle, file=path_of(contact.obstacle.file))
+            )
+            for contact in self.contact
+        )
+        return replace(self, mesh=meshes, contact=contacts)
 
     @property
     def unit_names(self) -> UnitNames | None:

@@ -57,14 +57,13 @@ def _is_foreign(path: Path) -> bool:
 
 
 def text_beside(scene: Scene, folder: Path) -> str:
-    """A scene as TOML, for a file in a folder: the paths of its meshes are from there.
+    """A scene as TOML, for a file in a folder: the paths of its files are from there.
 
     Args:
-        scene: The scene; paths of its meshes are from the present folder.
+        scene: The scene; paths of its files are from the present folder.
         folder: Where the file is to be.
     """
-    meshes = tuple(dataclasses.replace(m, file=_path_from(folder, m.file)) for m in scene.mesh)
-    return scene_text(dataclasses.replace(scene, mesh=meshes))
+    return scene_text(scene.with_files(lambda file: _path_from(folder, file)))
 
 
 def scene_text(scene: Scene) -> str:

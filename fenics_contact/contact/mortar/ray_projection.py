@@ -6,13 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from fenics_contact.common.arrays import AnyIntegers, Array, Flags
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised, reference_nodes
 
 # Entries of the tables of all lines against all facets that are held at a time: they stay in
 # the processor's cache.
 _TABLE = 2**18
+_BLOCK = 64  # lines beside each other, for which facets are chosen together
 _NEWTON_STEPS = 20
 _CONVERGED = 1e-8  # reference coordinates; the next step would be its square
 _INSIDE = 1e-6  # reference coordinates: a point opposite an edge faces the facet
@@ -120,10 +122,7 @@ def entries_behind(master: FacetMesh, points: Array, directions: Array) -> Array
 
 def _crossings(master: FacetMesh, points: Array, directions: Array) -> _Crossings:
     """All crossings of lines with the facets of a surface."""
-    none = np.zeros(len(points))
-    tables = list(near_lines(points, directions, none, none, master.centres, master.radii))
-    line = np.concatenate([table[0] for table in tables])
-    facet = np.concatenate([table[1] for table in tables])
+    line, facet = _near_facets(master, points, directions)
     reference, met = meet(master, facet, points[line], directions[line])
     inside = met & _is_inside(master.shape, reference)
     line, facet, reference = line[inside], facet[inside], reference[inside]
@@ -134,6 +133,52 @@ def _crossings(master: FacetMesh, points: Array, directions: Array) -> _Crossing
     reach = master.positions(facet, reference) - points[line]
     distance = np.einsum("pd,pd->p", reach, directions[line])
     return _Crossings(line, facet, reference, distance, cosines < 0)
+
+
+def _near_facets(
+    master: FacetMesh, points: Array, directions: Array
+) -> tuple[AnyIntegers, AnyIntegers]:
+    """Pairs (line, facet) in whose spheres lines pass, ordered by line, then facet.
+
+    Many lines are taken in blocks of neighbours, each of which sees few of many facets.
+    """
+    none = np.zeros(len(points))
+    spheres = master.centres, master.radii
+    if len(points) * len(master.radii) <= _TABLE:
+        return next(near_lines(points, directions, none, none, *spheres))
+    order = cKDTree(points, leafsize=_BLOCK).indices
+    lines, facets = [none[:0].astype(np.int64)], [none[:0].astype(np.int64)]
+    for first in range(0, len(points), _BLOCK):
+        block = np.sort(order[first : first + _BLOCK])
+        seen = _seen_from(points[block], directions[block], *spheres)
+        zeros = none[block]
+        for line, facet in near_lines(
+            *(points[block], directions[block], zeros, zeros), *(of[seen] for of in spheres)
+        ):
+            lines.append(block[line])
+            facets.append(seen[facet])
+    line, facet = np.concatenate(lines), np.concatenate(facets)
+    by_line = np.argsort(line, kind="stable")
+    return line[by_line], facet[by_line]
+
+
+def _seen_from(points: Array, directions: Array, centres: Array, radii: Array) -> Integers:
+    """Spheres that a line of a block may touch.
+
+    Lines begin within r of their mean c and within w of the axis c + t m; their directions are
+    within δ of m. Where one is nearest to the middle e of a sphere, it is no farther from the axis
+    than w + δ (|e − c| + r).
+    """
+    middle, axis = points.mean(axis=0), directions.mean(axis=0)
+    axis = axis / max(float(np.linalg.norm(axis)), np.finfo(float).tiny)
+    starts, away = points - middle, centres - middle
+    farthest = np.linalg.norm(starts, axis=1).max()
+    width = np.linalg.norm(starts - np.outer(starts @ axis, axis), axis=1).max()
+    spread = np.linalg.norm(directions - axis, axis=1).max()
+    squares = np.einsum("sd,sd->s", away, away)
+    aside = squares - (away @ axis) ** 2
+    reach = _MARGIN * (radii + width + spread * (np.sqrt(squares) + farthest))
+    return np.flatnonzero(aside <= reach**2)
 
 
 def face(slave_points: Array, slave_normals: Array, master: FacetMesh) -> tuple[Array, Hits]:

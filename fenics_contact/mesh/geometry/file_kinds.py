@@ -30,6 +30,8 @@ _OF_OTHERS = {".inp": "inp", ".bdf": "bdf", ".med": "med", ".vtu": "vtu", ".xdmf
 _KINDS = _OF_GMSH | _OF_OTHERS
 GEOMETRIES = ("geo", "cad")  #: Kinds that are to be meshed; all others are meshes already.
 _CAD_FORMATS = {".step": "step", ".stp": "step", ".brep": "brep"}
+# Surfaces of rigid obstacles, of which the first is a list of triangles.
+_SURFACES = {".stl": "stl"} | {suffix: "cad" for suffix in _CAD_FORMATS}
 # What a script may merge, by suffix. Gmsh takes what is in none of its lists for a script.
 _MERGED = _OF_GMSH | {".geo_unrolled": "geo", ".pos": "geo", ".stl": "cad", ".igs": "cad"}
 _MERGED |= {".iges": "cad"}
@@ -109,15 +111,33 @@ def mesh_file(key: str, name: str) -> MeshFile:
     Raises:
         InputError: It is not there, or of no kind that can be read.
     """
+    return _of_kinds(key, name, _KINDS, way_out(Path(name).name))
+
+
+def surface_file(key: str, name: str) -> MeshFile:
+    """A file that a scene names for the surface of a rigid obstacle.
+
+    Args:
+        key: Of the scene, such as ``contact[0].obstacle.file``.
+        name: Its path.
+
+    Raises:
+        InputError: It is not there, or has no surface that can be read.
+    """
+    return _of_kinds(key, name, _SURFACES)
+
+
+def _of_kinds(key: str, name: str, kinds: Mapping[str, str], advice: str = "") -> MeshFile:
+    """A file whose suffix is one of some."""
     path = Path(name)
     if os.path.isdir(path):
         raise InputError(f"{key} = '{name}': is a folder, not a file")
     if not os.path.isfile(path):  # of any name; pathlib raises for one that is too long
         raise InputError(f"{key} = '{name}': there is no such file{nearest_file(path)}")
     suffix = path.suffix.lower()
-    if suffix not in _KINDS:
-        raise InputError(f"{key} = '{name}': must end in {_either(_KINDS)}{way_out(path.name)}")
-    return MeshFile(key, path, _KINDS[suffix], _CAD_FORMATS.get(suffix, ""))
+    if suffix not in kinds:
+        raise InputError(f"{key} = '{name}': must end in {_either(kinds)}{advice}")
+    return MeshFile(key, path, kinds[suffix], _CAD_FORMATS.get(suffix, ""))
 
 
 def prepared(file: MeshFile, folder: Path) -> Prepared:
@@ -132,6 +152,9 @@ def prepared(file: MeshFile, folder: Path) -> Prepared:
     """
     if not file.is_of_gmsh:
         return Prepared(file.path.absolute())
+    if file.kind == "stl":
+        copy = _copied(file.key, file.path, folder / "surface.stl")
+        return Prepared(copy, {copy: file.path})
     if file.kind == "cad":  # which Gmsh reads as that format and no other
         copy = _copied(file.key, file.path, folder / f"shape.{file.form}")
         _require_whole(file.key, file.path, copy)

@@ -64,6 +64,8 @@ def _mesh(job: Job) -> tuple[dict[str, Any], Arrays]:
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # PETSc, in Gmsh, dies of what nobody reads
     gmsh.option.setNumber("General.Terminal", 1)
+    if job.get("surface"):
+        return {}, _surface(job)
     bodies = _READERS[job["kind"]](job)
     arrays = _elements(bodies)
     if not job["dimension"]:
@@ -242,6 +244,35 @@ def _mesh_in_way(way: tuple[int, int], dimension: int) -> float:
     found = [gmsh.model.mesh.getElementQualities(tags, "minSICN") for tags in elements]
     return float(np.min(np.concatenate(found)))
 
+
+def _surface(job: Job) -> Arrays:
+    """Triangles of the surface of an obstacle, their normals out of the solids that there are."""
+    if job["kind"] == "stl":
+        gmsh.merge(job["file"])
+    else:
+        gmsh.model.occ.importShapes(job["file"], format=job["format"])
+        gmsh.model.occ.synchronize()
+        corners = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
+        largest = float(np.ptp(corners, axis=0).max()) / job["across"]
+        gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", job["curvature"])
+        gmsh.option.setNumber("Mesh.ElementOrder", 2)
+        gmsh.model.mesh.generate(2)
+    solids = gmsh.model.getEntities(3)
+    # Gmsh numbers the nodes of a solid's faces so that their normals point out of it.
+    sides = gmsh.model.getBoundary(solids, oriented=False) if solids else gmsh.model.getEntities(2)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    order = np.argsort(tags)
+    triangles = [np.zeros((0, len(_OF_BASIX[job["kind"]])), dtype=np.int64)]
+    for dimension, side in sides:
+        for nodes in gmsh.model.mesh.getElements(dimension, side)[2]:
+            rows = order[np.searchsorted(tags, nodes, sorter=order)]
+            triangles.append(rows.reshape(-1, triangles[0].shape[1])[:, _OF_BASIX[job["kind"]]])
+    return {"points": coordinates.reshape(-1, 3), "triangles": np.concatenate(triangles)}
+
+
+# Nodes of Gmsh's triangles in the order of basix: straight ones of a list, curved ones of a mesh.
+_OF_BASIX = {"stl": [0, 1, 2], "cad": [0, 1, 2, 4, 5, 3]}
 
 _READERS = {"msh": _read_mesh, "geo": _mesh_script, "cad": _mesh_cad}
 

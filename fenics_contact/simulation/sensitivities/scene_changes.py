@@ -418,6 +418,8 @@ class SceneChanges:
 def _is_smooth(obstacle: Obstacle, name: str) -> bool:
     """Whether gaps follow its size or place without jumps: not at the edges of punches."""
     shape = obstacle.kind
+    if obstacle.file is not None:
+        return name == "position"
     return shape is not None and not (shape.has_edge and name == "radius")
 
 

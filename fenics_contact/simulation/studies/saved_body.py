@@ -8,7 +8,6 @@ nodes of the mesh and by contact dofs, as the body itself.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -302,9 +301,8 @@ def _keys_of(discrete: DiscreteBody) -> NodalKeys:
 
 
 def text_of(scene: Scene) -> str:
-    """A scene as TOML, its meshes from anywhere; empty if no file can have all of it."""
-    meshes = [dataclasses.replace(mesh, file=str(Path(mesh.file).resolve())) for mesh in scene.mesh]
-    placed = dataclasses.replace(scene, mesh=tuple(meshes))
+    """A scene as TOML, its files from anywhere; empty if no file can have all of it."""
+    placed = scene.with_files(lambda file: str(Path(file).resolve()))
     text = scene_text(placed)
     try:
         return text if scene_of_text(text, Path("scene.toml")) == placed else ""

@@ -312,14 +312,14 @@ def _frictional(point: Point) -> int:
 
 
 class Contents:
-    """Digests of mesh files, each read once."""
+    """Digests of the files of scenes, each read once."""
 
     def __init__(self) -> None:
         self._found: dict[str, str] = {}
 
     def of(self, scene: Scene) -> list[str]:
-        """Return digests of a scene's mesh files; empty for one that cannot be read."""
-        return [self._of_file(mesh.file) for mesh in scene.mesh]
+        """Return digests of a scene's files; empty for one that cannot be read."""
+        return [self._of_file(file) for file in scene.files]
 
     def _of_file(self, file: str) -> str:
         if file not in self._found:
