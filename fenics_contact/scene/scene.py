@@ -241,7 +241,7 @@ class Scene(CoreScene):
 
     @property
     def files(self) -> list[str]:
-        """Files that it names: of meshes, then of obstacles."""
+        """Paths of the files that it names, those of meshes before those of obstacles."""
         obstacles = (contact.obstacle for contact in self.contact)
         return [
             *(mesh.file for mesh in self.mesh),
