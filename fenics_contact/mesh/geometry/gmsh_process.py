@@ -247,10 +247,11 @@ def _mesh_in_way(way: tuple[int, int], dimension: int) -> float:
 
 def _surface(job: Job) -> Arrays:
     """Triangles of the surface of an obstacle, their normals out of the solids that there are."""
+    file = job["file"]
     if job["kind"] == "stl":
-        gmsh.merge(job["file"])
+        gmsh.merge(file)
     else:
-        gmsh.model.occ.importShapes(job["file"], format=job["format"])
+        gmsh.model.occ.importShapes(file, format=job["format"])
         gmsh.model.occ.synchronize()
         corners = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
         largest = float(np.ptp(corners, axis=0).max()) / job["across"]
