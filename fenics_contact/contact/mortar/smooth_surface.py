@@ -32,7 +32,7 @@ _OWN = 1e3
 # is beyond the polynomial's degree grows with the distance, and is not to turn what is near.
 _FADING = 4
 # Facets whose polynomials are made at a time.
-_AT_A_TIME = 2000
+_AT_A_TIME = 500
 # Rings of neighbours, at the most, until there are enough nodes: at ends of the surface two.
 _RINGS = 3
 # Distances over the facet's radius that are round-off of coordinates.
