@@ -42,6 +42,8 @@ def measured_by_parameter(name: str) -> str:
 
 def idle_quantities(contacts: Sequence[ContactRecord]) -> set[str]:
     """Names of the quantities that say nothing about some contacts, and are not shown."""
+    if not contacts:
+        return {one.name for one in table.every() if one.together is not None}
     missing = set()
     if all(not contact.carries_shear for contact in contacts):
         missing.add("friction")

@@ -23,6 +23,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.common.errors import SceneError
+from fenics_contact.results.quantities import idle_quantities
 from fenics_contact.results.result import read_result
 from fenics_contact.scene.writing import scene_text
 from tests.messages import refused
@@ -109,3 +110,9 @@ def test_what_is_no_line_is_refused():
         bent(Line("a", from_=(0, 0), to=(1, 0)), Line("a", from_=(0, 0), to=(2, 0)))
     with refused("line_outside"):
         Run(bent(Line("a", from_=(9, 0), to=(10, 0))))
+
+
+def test_quantities_of_contacts_are_not_shown_without_any():
+    idle = idle_quantities([])
+    assert {"normal_force", "contact_area", "friction_work"} <= idle
+    assert not {"reaction", "strain_energy", "external_work"} & idle
