@@ -207,13 +207,13 @@ def test_errors_are_beside_the_quantities():
     row = {"mesh": 0.01, "penalty": None, "total": None}
     whole = {"mesh": 0.01, "penalty": 0.01, "total": 0.02}
     quantities = {"strain_energy": 2.0, "reaction": [3.0, 4.0], "external_work": 0.0}
-    quantities["undecided_points"] = 3
+    quantities["energy_defect"] = 3
     errors = {"strain_energy": row, "reaction": whole}
     text = page_of(found(quantities=quantities, errors=errors, error_notes=["A note."]))
     assert "strain energy</th><td>2</td><td>?</td><td>?</td>" in text
     assert "3.000, 4.000</td><td>± 0.020</td><td>0.4 %" in text
     assert "external work</th><td>0</td><td>?</td><td>?</td>" in text
-    assert "undecided points</th><td>3</td><td></td><td></td>" in text  # it has no true value
+    assert "energy defect</th><td>3</td><td></td><td></td>" in text  # it has no true value
     assert "or more" not in text and "A note." in text
 
 
