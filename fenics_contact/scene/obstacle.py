@@ -46,13 +46,6 @@ class Obstacle:
             "`cylinder` in plane and 3D ones; a `flat punch` ends at its radius"
         ),
     ] = None
-    file: Annotated[
-        Text | None,
-        Field(
-            description="in place of a shape, in 3D models: an `.stl`, `.step`, `.stp` or `.brep` "
-            "file of a surface, whose path is from the scene's folder"
-        ),
-    ] = None
     radius: Annotated[
         Positive | None,
         LENGTH,
@@ -117,6 +110,13 @@ class Obstacle:
     displacement_path: Annotated[
         LoadPath, Field(description="of the displacement over the load steps")
     ] = RAMP
+    file: Annotated[
+        Text | None,
+        Field(
+            description="in place of a shape, in 3D models: an `.stl`, `.step`, `.stp` or `.brep` "
+            "file of a surface, whose path is from the scene's folder"
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         given = [key for key in ("shape", "file", "gap") if getattr(self, key) is not None]

@@ -230,7 +230,10 @@ class LoadSteps(StepTries):
                 logger.info("time %g: %s; a smaller step", time, error)
                 self.go_back()
                 return
-            found = self._try_by_turns(time, error)
+            by_turns = self._try_by_turns(time)
+            if by_turns is None:
+                raise
+            found = by_turns
         change = contact_change(self.problem, self.last, found)
         if self.pace.exceeds(change) and self.pace.cut():
             logger.info("time %g: contact changes by %.0f %%; a smaller step", time, 100 * change)

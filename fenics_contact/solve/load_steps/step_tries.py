@@ -187,7 +187,7 @@ class StepTries(StepRollback):
                     return found
             self.go_back()
 
-    def _try_by_turns(self, time: float, error: NotConvergedError) -> Solution:
+    def _try_by_turns(self, time: float) -> Solution | None:
         """Solve a step that no other way solves, with points that close by turns; collective.
 
         Where friction alone holds bodies. The steps that follow begin so, too; where one of them
@@ -195,23 +195,23 @@ class StepTries(StepRollback):
 
         Args:
             time: Pseudo-time of the step.
-            error: With which the other ways ended.
 
-        Raises:
-            NotConvergedError: The one given, where this is no way or does not end either.
+        Returns:
+            The step; None where this is no way, or leads nowhere either.
         """
         newton, problem = self.newton, self.problem
         self.go_back()
         goes = problem.scene.solver.strategy in _BY_TURNS and bool(problem.coulomb)
         if not (goes and is_held_by_friction(problem)):
-            raise error
-        logger.info("%s; next: with points that close by turns", error)
+            return None
+        logger.info("time %g: next: with points that close by turns", time)
         newton.closes_by_turns = not newton.closes_by_turns
         try:
             return self._try(time)
-        except NotConvergedError as other:
+        except NotConvergedError as error:
+            logger.debug("  %s", error)
             newton.closes_by_turns = not newton.closes_by_turns
-            raise error from other
+            return None
 
     def _try_once(self, time: float) -> Solution:
         """Solve a step, from where it is thought to end or else from where it begins."""
