@@ -12,6 +12,7 @@ import dataclasses
 import hashlib
 import json
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,10 @@ import ufl
 
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.parallel import largest, smallest
+from fenics_contact.common.parallel import largest, on_root, smallest
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.given_keys import given_keys, is_free_at_resume
+from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Path, Profile
 
@@ -81,6 +83,15 @@ def _digest(value: Any) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:16]
 
 
+def _content(file: str) -> str:
+    """A digest of a file's content, wherever it lies; its path where it cannot be read any more."""
+    try:
+        with open(file, "rb") as opened:
+            return hashlib.file_digest(opened, "sha256").hexdigest()
+    except OSError:
+        return file
+
+
 class _Probe:
     """Parts of a scene as JSON has them.
 
@@ -91,7 +102,7 @@ class _Probe:
 
     def __init__(self, body: Body, keys: Callable[[Any], dict[str, Any]]) -> None:
         comm, columns = body.mesh.comm, body.mesh.geometry.x.T
-        self._keys = keys
+        self._keys, self._comm = keys, comm
         self._position = ufl.SpatialCoordinate(body.mesh)
         sides = [
             np.linspace(smallest(comm, column), largest(comm, column), _PLACES)
@@ -103,6 +114,10 @@ class _Probe:
         """Return a part of a scene as JSON has it."""
         if callable(value) and not isinstance(value, Profile | Path):
             return self._given_by(value)
+        if isinstance(value, Obstacle) and value.file is not None:
+            value = dataclasses.replace(
+                value, file=on_root(self._comm, partial(_content, value.file))
+            )
         if dataclasses.is_dataclass(value):
             return {name: self.plain(part) for name, part in self._keys(value).items()}
         if isinstance(value, Mapping):

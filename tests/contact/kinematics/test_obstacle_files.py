@@ -22,8 +22,10 @@ from fenics_contact import (
 )
 from fenics_contact.analytic.obstacle_shapes import Sizes, shape_of
 from fenics_contact.contact.facet_obstacle import FacetObstacle
+from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.rigid_surface import load_surface
 from fenics_contact.scene.writing import text_beside
+from fenics_contact.simulation import fingerprint
 from tests.mesh.test_loading import with_gmsh
 from tests.messages import refused
 from tests.scenes import ROOT
@@ -184,6 +186,20 @@ def test_paths_are_from_the_folder_of_the_scene(folder, ball, monkeypatch):
     monkeypatch.chdir(folder)
     obstacle = load_scene(file).contact[0].obstacle
     assert load_surface(obstacle.file, "file", COMM).order == 2
+
+
+def test_a_state_belongs_to_the_content_of_a_file_wherever_it_lies(folder):
+    here, there = folder / "here.stl", folder / "there.stl"
+    scenes = [
+        brick(Obstacle(file=write_stl(path, box()), indentation=0.02, **PLACE))
+        for path in (here, there)
+    ]
+    body = load_body(scenes[0].mesh, 3, COMM)
+    first = fingerprint.of_scene(scenes[0], body)
+    assert fingerprint.of_scene(scenes[1], body) == first
+    write_stl(there, 0.3 * box())
+    other = fingerprint.of_scene(scenes[1], body)
+    assert fingerprint.differences(first, other) == ["contact"]
 
 
 def test_what_is_no_surface_is_refused(folder, ball):
