@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
+import os
 import re
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -37,13 +38,14 @@ from fenics_contact.mesh.neighbours import Finding, Neighbours
 from fenics_contact.mesh.size_field import SizeField
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.scene.loading.conditions import Preload
-from fenics_contact.scene.scene import MeshSource
+from fenics_contact.scene.scene import MeshSource, Scene
 
 logger = logging.getLogger(__name__)
 
 # Of reading a mesh that exists; meshing a geometry may take what there is.
 _BASE_MEMORY, _MEMORY_PER_BYTE = 4 * 2**30, 100
 # Length units of STEP files by their SI prefix, as Gmsh calls them.
+_WORDS = {"M": "m", "CM": "cm", "KM": "km", "UM": "µm", "INCH": "inches", "FT": "feet"}
 _STEP_UNITS = {"$": "M", ".MILLI.": "MM", ".CENTI.": "CM", ".KILO.": "KM", ".MICRO.": "UM"}
 
 
@@ -315,13 +317,42 @@ def _job(key: str, source: MeshSource, file: MeshFile, dimension: int) -> dict[s
     }
     if file.kind == "geo":
         return job | {"parameters": dict(source.parameters)}
-    unit = _step_unit(file.path) if file.form == "step" else ""
-    return job | {"format": file.form, "unit": unit}
+    return job | {"format": file.form, "unit": unit_of(file)}
 
 
-def _step_unit(path: Path) -> str:
-    """The length unit of a STEP file, so that its numbers come in as they are."""
-    text = path.read_bytes().decode("latin-1")
+def require_units(scene: Scene, comm: MPI.Comm) -> None:
+    """Refuse STEP files in other units than the scene's: their numbers come in as they are.
+
+    Collective.
+
+    Args:
+        scene: Its meshes and obstacles name the files; without units nothing is refused.
+        comm: Of the ranks.
+
+    Raises:
+        InputError: On every rank.
+    """
+    if scene.units is not None:
+        on_root(comm, lambda: _require_mm(scene.files))
+
+
+def _require_mm(files: Sequence[str]) -> None:
+    """Scenes with units and a STEP file are in mm, as they know without opening it."""
+    steps = [name for name in files if Path(name).suffix.lower() in (".step", ".stp")]
+    for name in filter(os.path.isfile, steps):  # what is not there is told where it is read
+        unit = unit_of(mesh_file("mesh.file", name))
+        if unit not in ("", "MM"):
+            raise InputError(
+                f"units.length: the numbers of '{name}' are taken as they are, and its unit is "
+                f"{_WORDS[unit]}, not mm: save it in mm, or leave [units] out"
+            )
+
+
+def unit_of(file: MeshFile) -> str:
+    """The length unit of a STEP file, so that its numbers come in as they are; empty of others."""
+    if file.form != "step":
+        return ""
+    text = file.path.read_bytes().decode("latin-1")
     found = re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'(INCH|FOOT|FT)'", text, re.IGNORECASE)
     if found is not None:
         return "INCH" if found[1].upper() == "INCH" else "FT"

@@ -19,6 +19,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh.geometry import gmsh_call
 from fenics_contact.mesh.geometry.file_kinds import prepared, surface_file
+from fenics_contact.mesh.loading import unit_of
 
 _TIME_LIMIT = 300.0  # seconds that Gmsh may take
 _NO_AREA = 1e-12  # of the square of the longest side
@@ -71,7 +72,7 @@ def _read(file: str, key: str, changed: int, size: int) -> RigidSurface:
     """The surface of a file as it is at present; meshed once, as further problems need it, too."""
     source = surface_file(key, file)
     job = {"key": key, "name": file, "kind": source.kind, "format": source.form, "surface": True}
-    job |= {"curvature": _CURVATURE, "across": _ACROSS}
+    job |= {"curvature": _CURVATURE, "across": _ACROSS, "unit": unit_of(source)}
     limits = gmsh_call.Limits(key.removesuffix(".file"), _TIME_LIMIT)
     with tempfile.TemporaryDirectory(prefix="fenics_contact_") as folder:
         ready = prepared(source, Path(folder))

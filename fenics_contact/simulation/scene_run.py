@@ -15,6 +15,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.evaluate.energy_balance import EnergyBalance
 from fenics_contact.evaluate.momentum_balance import MovingForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
+from fenics_contact.mesh.loading import require_units
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.existence.condition import FreeMotion, require_equilibrium
 from fenics_contact.problem.problem import Problem
@@ -107,6 +108,8 @@ class Run:
 
     def _make_ready(self, scene: Scene, comm: MPI.Comm, body: Body | None) -> None:
         """Mesh, model and solver; collective."""
+        if body is not None:
+            require_units(scene, comm)
         self._tasks = AnalysisTasks(scene, comm)
         asks_more = self._tasks.use_body
         moves_in_modes = scene.motion is not None and scene.motion.modes is not None

@@ -128,11 +128,16 @@ def _constants(file: str) -> list[str]:
 
 def _mesh_cad(job: Job) -> Bodies:
     _set_options(job)
+    _import_shapes(job)
+    return _generate(job)
+
+
+def _import_shapes(job: Job) -> None:
+    """Open a CAD file."""
     if job["unit"]:  # Gmsh converts to millimetres; the numbers of the file are wanted
         gmsh.option.setString("Geometry.OCCTargetUnit", job["unit"])
     gmsh.model.occ.importShapes(job["file"], format=job["format"])
     gmsh.model.occ.synchronize()
-    return _generate(job)
 
 
 def _set_options(job: Job) -> None:
@@ -247,12 +252,10 @@ def _mesh_in_way(way: tuple[int, int], dimension: int) -> float:
 
 def _surface(job: Job) -> Arrays:
     """Triangles of the surface of an obstacle, their normals out of the solids that there are."""
-    file = job["file"]
     if job["kind"] == "stl":
-        gmsh.merge(file)
+        gmsh.open(job["file"])
     else:
-        gmsh.model.occ.importShapes(file, format=job["format"])
-        gmsh.model.occ.synchronize()
+        _import_shapes(job)
         corners = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
         largest = float(np.ptp(corners, axis=0).max()) / job["across"]
         gmsh.option.setNumber("Mesh.MeshSizeMax", largest)

@@ -237,7 +237,7 @@ def forget_dimensions(kind: type) -> None:
 
 def _require_mm_of_step_files(scene: Any, units: Units) -> None:
     """Whatever unit is in a STEP file, Gmsh reads it in mm."""
-    files = [mesh.file for mesh in scene.mesh if mesh.file.lower().endswith((".step", ".stp"))]
+    files = [file for file in scene.files if file.lower().endswith((".step", ".stp"))]
     if files and factor(units.length, "mm", "N", (1, 0)) != 1:
         raise ValueError(
             f"units.length = {units.length!r}: '{files[0]}' is read in mm, as every STEP file is, "

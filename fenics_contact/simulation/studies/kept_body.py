@@ -16,7 +16,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.evaluate.rows_of_body import RowsOfBody
-from fenics_contact.mesh.loading import load_body
+from fenics_contact.mesh.loading import load_body, require_units
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.existence.condition import require_equilibrium
@@ -42,6 +42,7 @@ def mesh_of(scene: Scene, comm: MPI.Comm, timings: Timings) -> Body:
     """
     if not scene.mesh:
         raise InputError("mesh: the scene names no mesh and no body was passed")
+    require_units(scene, comm)
     with timings.phase("mesh"):
         curved = scene.accuracy is not None and scene.discretisation.degree > 1
         return load_body(scene.mesh, scene.dimension, comm, curved=curved, preloads=scene.preload)

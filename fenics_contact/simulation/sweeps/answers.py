@@ -19,7 +19,7 @@ from fenics_contact.common.atomic_files import replace_file
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import BUG, explain
 from fenics_contact.mesh.from_gmsh import MeshArrays
-from fenics_contact.mesh.loading import load_arrays, load_body
+from fenics_contact.mesh.loading import load_arrays, load_body, require_units
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.quantities.names import STRAIN_ENERGY
 from fenics_contact.results.result import Result
@@ -75,6 +75,7 @@ def _made(scene: Scene) -> MeshArrays | InputError:
     if not scene.mesh:
         return InputError("mesh: the scene names no mesh")
     try:
+        require_units(scene, MPI.COMM_SELF)
         return load_arrays(scene.mesh, scene.dimension, scene.preload)
     except InputError as error:
         return error

@@ -2,6 +2,7 @@
 
 import dataclasses
 import struct
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from fenics_contact import (
     Scene,
     SolverSettings,
     Support,
+    Units,
     load_scene,
     run,
 )
@@ -200,6 +202,24 @@ def test_a_state_belongs_to_the_content_of_a_file_wherever_it_lies(folder):
     write_stl(there, 0.3 * box())
     other = fingerprint.of_scene(scenes[1], body)
     assert fingerprint.differences(first, other) == ["contact"]
+
+
+def test_numbers_of_a_file_in_another_unit_stay_and_scenes_with_units_refuse_it(folder, ball):
+    """As of bodies; with units they would be others than the scene says."""
+    metres = folder / "metres.step"
+    if COMM.rank == 0:
+        text = Path(ball).read_text(encoding="utf-8")
+        assert text.count("SI_UNIT(.MILLI.,.METRE.)") == 1
+        metres.write_text(text.replace(".MILLI.,.METRE.", "$,.METRE."), encoding="utf-8")
+    COMM.barrier()
+    points = load_surface(str(metres), "file", COMM).points
+    assert points[:, 2].max() == pytest.approx(2 * RADIUS, rel=1e-6)
+    scene = brick(Obstacle(file=str(metres), indentation=0.02, **PLACE))
+    with refused("step_file_in_metres_beside_units"):
+        Run(dataclasses.replace(scene, units=Units("mm", "N")))
+    meshed = dataclasses.replace(scene, mesh=MeshSource(str(metres), size=4), contact=())
+    with refused("step_file_in_metres_beside_units"):
+        Run(dataclasses.replace(meshed, units=Units("mm", "N")))
 
 
 def test_what_is_no_surface_is_refused(folder, ball):
