@@ -113,7 +113,7 @@ class Joints:
         return len(self._gaps) > 0
 
     def _pressed(self, scalars: Array) -> Array:
-        """By how much stops are pressed together (length)."""
+        """Relative motion of each stop beyond its gap, 0 of open stops, (stops,) (length)."""
         return np.asarray(np.maximum(self._rows @ scalars - self._gaps, 0.0))
 
     def pull(self, scalars: Array) -> Array:
@@ -130,7 +130,7 @@ class Joints:
         return np.asarray(self._rows.T @ (acting[:, None] * self._rows))
 
     def energy(self, scalars: Array) -> float:
-        """What they store (energy)."""
+        """Elastic energy of all springs and stops at a motion of the faces (energy)."""
         of_stops = self._stiff @ self._pressed(scalars) ** 2
         return 0.5 * float(scalars @ self.stiffness @ scalars + of_stops)
 

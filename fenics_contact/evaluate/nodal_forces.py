@@ -102,7 +102,7 @@ class BulkForces(InternalForces):
 
     @property
     def _energy_of_joints(self) -> float:
-        """What springs between coupled faces store (energy)."""
+        """Elastic energy of the springs between coupled faces (energy)."""
         return self.problem.elastic.joints.energy(self._scalars)
 
     @property

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 
-from fenics_contact.common.arrays import AnyIntegers, Array
+from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.mesh.geometry import gmsh_call
@@ -79,20 +79,20 @@ def _read(file: str, key: str, changed: int, size: int) -> RigidSurface:
         job |= {"file": str(ready.path), "folder": folder}
         _, arrays = gmsh_call.call(ready, job, b"", limits)
     points, triangles = arrays["points"], arrays["triangles"].astype(np.int64)
-    outward = _outward(points, triangles[_areas(points, triangles) > 0])
+    outward = _outward(points, triangles[_have_areas(points, triangles)])
     if not 0 < len(outward) <= _MOST:
         what = "has no surface" if len(outward) == 0 else f"has {len(outward)} triangles"
         raise InputError(f"{key} = '{file}': {what}; an obstacle has 1 to {_MOST} of them")
     return RigidSurface(points, outward)
 
 
-def _areas(points: Array, triangles: AnyIntegers) -> Array:
-    """Areas of triangles, 0 of what round-off leaves of none, (triangles,) (area)."""
+def _have_areas(points: Array, triangles: AnyIntegers) -> Flags:
+    """Flags of triangles whose area is more than round-off, (triangles,)."""
     corners = points[triangles[:, :3]]
     sides = corners[:, 1:] - corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
     lengths = np.linalg.norm(sides, axis=2).max(axis=1, initial=0.0)
-    return np.where(areas > _NO_AREA * lengths**2, areas, 0.0)
+    return np.asarray(areas > _NO_AREA * lengths**2)
 
 
 def _outward(points: Array, triangles: AnyIntegers) -> AnyIntegers:

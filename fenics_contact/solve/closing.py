@@ -30,7 +30,7 @@ _NEAR, _FARTHER = 1.1, 0.5
 
 
 class ClosingByTurns:
-    """Which points are taken for open in the Newton steps of one solve; all calls are collective.
+    """Chooses the points that Newton steps of one solve take for open; all calls are collective.
 
     Args:
         contacts: All of the problem; those that only push are looked at.
@@ -54,7 +54,7 @@ class ClosingByTurns:
 
 
 class _Turns:
-    """The same of one contact.
+    """Chooses the points of one contact that a Newton step takes for open.
 
     Args:
         contact: The contact.
@@ -83,7 +83,7 @@ class _Turns:
         return True
 
     def _wait(self, closing: Flags, reach: Array, pressure: Array) -> Flags:
-        """Which of the points that close have a neighbour that is pressed more."""
+        """Flags of closing points with a neighbour under a higher pressure, (closing points,)."""
         trace, comm = self._contact.trace, self._contact.spaces.comm
         own = np.column_stack([trace.coordinates, reach, pressure])
         every = gather_rows(comm, own[closing & trace.owned])

@@ -32,14 +32,14 @@ SOLVERS = ["condensed", "full"]
 CLAMPED = Support("a.x0", {"x": 0.0, "y": 0.0})
 
 
-def bars(count=1):
+def bars(count=1, comm=COMM):
     """Bars along x, one after the other with room between, named a, b, ….
 
     In the plane, without lateral contraction.
     """
     places = [(name, 1.5 * LENGTH * number) for number, name in enumerate("abc"[:count])]
     parts = [Box(name, (x, 0.0), (x + LENGTH, SIDE), (8, 2)) for name, x in places]
-    return boxes(parts, "quadrilateral")
+    return boxes(parts, "quadrilateral", comm)
 
 
 def scene(*couplings, spring=(), support=(CLAMPED,), solver="condensed", **more):

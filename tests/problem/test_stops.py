@@ -24,34 +24,11 @@ from fenics_contact import (
 from fenics_contact.common.errors import NoEquilibriumError, SceneError
 from fenics_contact.verification.boxes import Box, boxes
 from tests.messages import refused
+from tests.problem.test_coupled_springs import BAR, CLAMPED, LENGTH, SIDE, E, bars, scene
 
 COMM = MPI.COMM_WORLD
-E, LENGTH, SIDE = 1000.0, 4.0, 0.5
-BAR, STOP, GAP = E * SIDE / LENGTH, 70.0, 0.01
-CLAMPED = Support("a.x0", {"x": 0.0, "y": 0.0})
+STOP, GAP = 70.0, 0.01
 BOTH = ["condensed", "full"]
-
-
-def bars(count=1, comm=COMM):
-    """Bars along x, one after the other with room between, named a, b, ….
-
-    In the plane, without lateral contraction.
-    """
-    places = [(name, 1.5 * LENGTH * number) for number, name in enumerate("ab"[:count])]
-    parts = [Box(name, (x, 0.0), (x + LENGTH, SIDE), (8, 2)) for name, x in places]
-    return boxes(parts, "quadrilateral", comm)
-
-
-def scene(*couplings, spring, support=(CLAMPED,), solver="condensed", **more):
-    return Scene(
-        kinematics="plane strain",
-        material=Material(E, 0.0),
-        support=support,
-        coupling=couplings,
-        spring=spring,
-        solver=SolverSettings(solver=solver, errors="none"),
-        **more,
-    )
 
 
 def stop(gap=GAP, **more):

@@ -211,7 +211,7 @@ class SmoothSurface:
 
     @cached_property
     def _has_node(self) -> csr_matrix:
-        """Which geometry nodes facets have, (facets, nodes)."""
+        """Incidence matrix of facets and geometry nodes: 1 at the nodes of a facet."""
         numbers = self._node_numbers
         facet = np.repeat(np.arange(len(numbers)), numbers.shape[1])
         return csr_matrix((np.ones(facet.size), (facet, numbers.ravel())))

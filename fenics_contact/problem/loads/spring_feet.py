@@ -193,7 +193,9 @@ _ALIKE = GIVES_WAY
 def _disagreement(
     rigid: Sequence[AppliedSupport], feet: Sequence[SpringFoot], spaces: Spaces
 ) -> tuple[Array, Integers, Array]:
-    """By how much what holds a point of this rank contradicts itself, linear in all paths.
+    """Contradictions between supports that move the same points of this rank.
+
+    They are linear in the load paths of the supports.
 
     Args:
         rigid: What holds dofs.

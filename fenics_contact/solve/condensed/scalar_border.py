@@ -123,7 +123,7 @@ class ScalarBorder:
         self._added = added
 
     def times_added(self, scalars: Array) -> Array:
-        """What is added to D times q."""
+        """Forces on the scalars by the stiffness that ``stiffen`` adds, (scalars,)."""
         return np.asarray(self._added @ scalars)
 
     def times(self, inner: Array, scalars: Array) -> tuple[Array, Array]:

@@ -79,7 +79,7 @@ class SplitSolver:
 
     @property
     def memory(self) -> float:
-        """Of the dense factor, over that of S."""
+        """Memory of the dense factor over that of the condensed stiffness S."""
         taken = 0 if self._soft_factor is None else self._soft_factor[0].nbytes
         return float(taken) / max(self._constant.schur.nbytes, 1)
 

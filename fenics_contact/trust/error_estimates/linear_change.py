@@ -157,7 +157,7 @@ class LinearHistory:
         self._share = 0.0
         self._steps = _KeptSteps((*knots(load_steps.problem.scene), times[-1]))
         # Where bodies are paired anew, the tangents of each history are over other unknowns.
-        self._tangents = _KeptTangents(0.0 if self._pairs_anew else _KEPT)
+        self._tangents = _KeptTangents(0.0 if self._searches_again else _KEPT)
 
     @cached_property
     def again(self) -> Again | None:
@@ -218,11 +218,11 @@ class LinearHistory:
         of a load step.
         """
         wears = any(contact.wear.wears for contact in self._load_steps.problem.contacts)
-        return not (wears or self._pairs_anew) and all(len(part) > 1 for part in self._parts)
+        return not (wears or self._searches_again) and all(len(part) > 1 for part in self._parts)
 
     @property
-    def _pairs_anew(self) -> bool:
-        """Whether bodies were paired anew on the way."""
+    def _searches_again(self) -> bool:
+        """Whether the contact search between bodies was repeated along the load steps."""
         contacts = self._load_steps.problem.contacts
         return any(contact.kinematics.paired_at is not None for contact in contacts)
 
@@ -291,7 +291,7 @@ class _KeptTangents:
         self._room = room
 
     def at(self, time: float) -> SplitSolver | None:
-        """That of a load step, if it is kept."""
+        """Solver of the tangent at a load step; None where none is kept."""
         return self._kept.get(time)
 
     def keep(self, time: float, solver: SplitSolver | None) -> None:
