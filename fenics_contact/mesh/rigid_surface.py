@@ -73,7 +73,7 @@ def _read(file: str, key: str, changed: int, size: int) -> RigidSurface:
     source = surface_file(key, file)
     job = {"key": key, "name": file, "kind": source.kind, "format": source.form, "surface": True}
     job |= {"curvature": _CURVATURE, "across": _ACROSS, "unit": unit_of(source)}
-    limits = gmsh_call.Limits(key.removesuffix(".file"), _TIME_LIMIT)
+    limits = gmsh_call.Limits(key.removesuffix(".file"), _TIME_LIMIT, is_fixed=True)
     with tempfile.TemporaryDirectory(prefix="fenics_contact_") as folder:
         ready = prepared(source, Path(folder))
         job |= {"file": str(ready.path), "folder": folder}

@@ -60,12 +60,26 @@ class Limits:
         seconds: For this call.
         memory: Bytes, apart from what is free; 0 for no other limit.
         is_reader: Whether they are those of the reader of another program's mesh.
+        is_fixed: Whether a scene cannot give more time.
     """
 
     key: str
     seconds: float
     memory: float = 0.0
     is_reader: bool = False
+    is_fixed: bool = False
+
+    @property
+    def time(self) -> str:
+        """The limit of time in messages, with its key where a scene can change it."""
+        return f"{'' if self.is_fixed else f'{self.key}.time_limit = '}{self.seconds:g} s"
+
+    @property
+    def remedy(self) -> str:
+        """Advice on what to do where the time is over."""
+        if self.is_fixed:
+            return "simplify the surface, or save it as .stl"
+        return "make the mesh coarser, or give more time"
 
     @property
     def who(self) -> str:
@@ -214,9 +228,8 @@ class _Watch:
             raise StoppedError("interrupted")
         if seconds > self._limits.seconds:
             raise InputError(
-                f"{self._where}: {self._limits.who} is not done after "
-                f"{self._limits.key}.time_limit = {self._limits.seconds:g} s"
-                f"{self._doing(', at: ')}; make the mesh coarser, or give more time"
+                f"{self._where}: {self._limits.who} is not done after {self._limits.time}"
+                f"{self._doing(', at: ')}; {self._limits.remedy}"
             )
         doing = self._doing("Gmsh: ")
         if doing != self._told:
@@ -224,8 +237,8 @@ class _Watch:
             self._told = doing
         if seconds > self._next_word:
             logger.info(
-                "%s: %s works for %.0f s of %s.time_limit = %g s%s",
-                *(self._where, self._limits.who, seconds, self._limits.key, self._limits.seconds),
+                "%s: %s works for %.0f s of %s%s",
+                *(self._where, self._limits.who, seconds, self._limits.time),
                 self._doing(", at: "),
             )
             self._next_word *= 2

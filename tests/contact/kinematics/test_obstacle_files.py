@@ -11,6 +11,7 @@ from mpi4py import MPI
 from fenics_contact import (
     Contact,
     DerivativeRequest,
+    InputError,
     Material,
     MeshSource,
     Obstacle,
@@ -24,6 +25,7 @@ from fenics_contact import (
 )
 from fenics_contact.analytic.obstacle_shapes import Sizes, shape_of
 from fenics_contact.contact.facet_obstacle import FacetObstacle
+from fenics_contact.mesh import rigid_surface
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.rigid_surface import load_surface
 from fenics_contact.scene.writing import text_beside
@@ -244,6 +246,12 @@ def test_what_is_no_surface_is_refused(folder, ball):
     )
     with refused("obstacle_file_in_the_plane"):
         Run(flat)
+
+
+def test_a_surface_that_takes_too_long_is_refused_without_a_key_for_more_time(ball, monkeypatch):
+    monkeypatch.setattr(rigid_surface, "_TIME_LIMIT", 0.01)
+    with pytest.raises(InputError, match=r"is not done after 0\.01 s.*; simplify the surface"):
+        load_surface(ball, "contact[0].obstacle.file", COMM)
 
 
 def test_a_file_is_given_in_place_of_a_shape():
