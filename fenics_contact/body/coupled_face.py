@@ -1,18 +1,24 @@
-"""A boundary of the body that moves as a rigid body, by one scalar a way.
+"""A boundary of the body that moves with a point, by one scalar q_j a way in which the point moves.
 
-Its nodes have the displacement Σ q_j E_j, where E_j is a unit translation along an axis, or a
-rotation about one by which the farthest node moves by about 1: so all q_j are lengths, and the
-forces that do work on them are forces. With K of the body, ∂²W/∂u∂q_j = K E_j.
+The nodes of a rigid one have the displacement Σ q_j E_j, where E_j is a unit translation along an
+axis, or a rotation about one by which the farthest node moves by about 1: so all q_j are lengths,
+and the forces that do work on them are forces. With K of the body, ∂²W/∂u∂q_j = K E_j.
+
+One that stays elastic takes a unit force on q_j as the traction t_j = a + b × (x − c), linear in
+the place. So its point has the mean motion C_j u = ∫ t_j · u. The force between point and boundary
+is κ m_j of another scalar m_j, a length by the choice of κ, whose energy is κ m_j (q_j − C_j u).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 import numpy as np
 import ufl
 from dolfinx import fem
+from ufl.core.expr import Expr
 
 from fenics_contact.body.description import CoupledGroup, Joint
 from fenics_contact.body.preloaded_part import ScalarForces
@@ -26,14 +32,18 @@ from fenics_contact.scene.values import AXES
 
 
 class CoupledFace:
-    """The boundary, and the ways in which it moves; collective.
+    """The boundary, and the ways in which its point moves; collective.
 
     Attributes:
         described: As in the scene.
+        spaces: Those of the body.
+        nodes: Of the boundary (local indices, owned and ghost).
         at: The point that moves with it, (components,) (length).
         ways: In which it can move.
         reach: By which a rotation is multiplied to be a displacement (length).
         fields: Displacement of a unit of each way, 0 elsewhere, (ways, nodes, components).
+        size: Its area, over the thickness or the whole ring as for loads.
+        centroid: Of the boundary, (components,) (length).
 
     Args:
         described: As in the scene.
@@ -45,15 +55,15 @@ class CoupledFace:
     """
 
     def __init__(self, described: CoupledGroup, key: str, spaces: Spaces) -> None:
-        self.described, size = described, spaces.components
+        self.described, self.spaces, size = described, spaces, spaces.components
         group = spaces.body.boundary(described.on, f"{key}.on")
-        nodes = spaces.nodes(group).astype(np.int64)
-        measure = spaces.boundary(group, {"quadrature_degree": spaces.bulk_degree + 2})
-        area, *moments = surface_integrals(spaces.position, measure, spaces)
+        nodes = self.nodes = spaces.nodes(group).astype(np.int64)
+        self.measure = spaces.boundary(group, {"quadrature_degree": spaces.bulk_degree + 2})
+        area, *moments = surface_integrals(spaces.position, self.measure, spaces)
         if not area > 0:
             raise InputError(f"{key}.on = '{described.on}': has no area")
-        centroid = np.array(moments) / area
-        self.at = centroid if described.at is None else np.array(described.at, float)
+        self.size, self.centroid = float(area), np.array(moments) / area
+        self.at = self.centroid if described.at is None else np.array(described.at, float)
         arms = np.zeros((len(nodes), 3))
         arms[:, :size] = spaces.coordinates[nodes, :size] - self.at
         self.reach = largest(spaces.comm, np.linalg.norm(arms, axis=1)) or spaces.size
@@ -71,6 +81,113 @@ class CoupledFace:
     def work(self, way: Way, value: float) -> float:
         """The force on the scalar of a way from a force or a moment."""
         return value if way[0] == "displacement" else value / self.reach
+
+
+# Of the largest moment of inertia of a surface: it is as thin as a line.
+_LINE = 1e-10
+
+
+class SpreadForces:
+    """How a boundary that stays elastic takes forces and moments on its point; collective.
+
+    Attributes:
+        tractions: a of t_j = a + B (x − c) for a unit force on each way, and B, in this order.
+        nodal: Its nodal forces, (ways, nodes, components).
+
+    Args:
+        face: The boundary, and the ways of its point.
+        key: Where, for messages.
+        spaces: Those of the body.
+        mirrors: Axes across the planes of symmetry that it reaches: moments that the mirror image
+            of the boundary takes away are those of the planes.
+
+    Raises:
+        InputError: The boundary is as thin as a line, about which no traction turns it.
+    """
+
+    def __init__(
+        self, face: CoupledFace, key: str, spaces: Spaces, mirrors: AbstractSet[int]
+    ) -> None:
+        self._spaces, self._face, size = spaces, face, spaces.components
+        mesh = spaces.body.mesh
+        self._uniform = fem.Constant(mesh, np.zeros(size))
+        self._linear = fem.Constant(mesh, np.zeros((size, size)))
+        test = ufl.TestFunction(spaces.displacement_space)
+        self._form = form_cache.form(self._work(self._uniform, self._linear, test))
+        turns = [AXES.index(axis) for kind, axis in face.ways if kind == "rotation"]
+        turns = [axis for axis in turns if not mirrors - {axis}]
+        matrices = [_turn(axis)[:size, :size] for axis in turns]
+        turned = [self._assembled(np.zeros(size), one) for one in matrices]
+        about = self._inverse(turned, matrices, key)
+        linear = np.einsum("kl,lij->kij", about, np.reshape(matrices, (len(turns), size, size)))
+        arm = np.zeros(3)
+        arm[:size] = face.at - face.centroid
+        self.tractions: list[tuple[Array, Array]] = []
+        for kind, axis in face.ways:
+            number = AXES.index(axis)
+            moment = np.cross(arm, np.eye(3)[number])[turns]
+            uniform, by_moment = np.eye(3)[number, :size] / face.size, linear
+            if kind == "rotation":
+                moment, uniform = np.array([float(number == t) for t in turns]), np.zeros(size)
+                by_moment = linear * face.reach
+            self.tractions.append((uniform, np.tensordot(moment, by_moment, 1)))
+        self.nodal = np.array([self._assembled(*one) for one in self.tractions])
+
+    def work_of(self, way: Way, force: Expr, test: Expr) -> ufl.Form:
+        """∫ t · v of the traction of a force on a way, in UFL (energy).
+
+        Args:
+            way: Along or about which axis.
+            force: Of any size, in UFL (force).
+            test: v.
+        """
+        mesh = self._spaces.body.mesh
+        uniform, linear = self.tractions[self._face.ways.index(way)]
+        traction = fem.Constant(mesh, uniform), fem.Constant(mesh, linear)
+        return force * self._work(*traction, test)
+
+    def _work(self, uniform: Expr, linear: Expr, test: Expr) -> ufl.Form:
+        """∫ (a + B (x − c)) · v in UFL."""
+        face, place = self._face, self._spaces.position
+        centre = fem.Constant(self._spaces.body.mesh, face.centroid)
+        traction = uniform + ufl.dot(linear, place - centre)
+        return self._spaces.weight * ufl.dot(traction, test) * face.measure
+
+    def _assembled(self, uniform: Array, linear: Array) -> Array:
+        """Nodal forces of a traction, (nodes, components)."""
+        self._uniform.value[:], self._linear.value[:] = uniform, linear
+        return self._spaces.assemble(self._form)
+
+    def _inverse(self, turned: Sequence[Array], matrices: Sequence[Array], key: str) -> Array:
+        """Inverse of ∫ (r² 1 − r rᵀ), r = x − c, about the axes that count, (axes, axes).
+
+        Args:
+            turned: Nodal forces of the tractions e × r, (nodes, components) each.
+            matrices: Of e × r, (components, components) each.
+            key: Where, for messages.
+
+        Raises:
+            InputError: It is singular.
+        """
+        spaces = self._spaces
+        if not matrices:
+            return np.zeros((0, 0))
+        own = slice(spaces.owned_nodes)
+        arms = spaces.coordinates[own, : spaces.components] - self._face.centroid
+        fields = [arms @ one.T for one in matrices]
+        works = [[float(np.sum(f[own] * field)) for field in fields] for f in turned]
+        second = np.asarray(total(spaces.comm, np.array(works)))
+        if np.linalg.eigvalsh((second + second.T) / 2)[0] <= _LINE * second.max():
+            raise InputError(
+                f"{key}.on = '{self._face.described.on}': is as thin as a line, about which no "
+                "traction turns it; kind = 'rigid' would do"
+            )
+        return np.asarray(np.linalg.inv(second))
+
+
+def _turn(axis: int) -> Array:
+    """Matrix of e × r for the unit vector of an axis, (3, 3)."""
+    return np.asarray(np.cross(np.eye(3)[axis], np.eye(3)).T)
 
 
 class Joints:
@@ -153,6 +270,59 @@ class MotionForces(ScalarForces):
         own -= self.stiffness * float(self.present.value)  # the displacement has it
         return own + sum(value * float(present.value) for present, value in self.others)
 
+    def follow(self, others: Sequence[ScalarForces], shares: Array) -> None:
+        """Take other scalars of the body into account, with their forces over these, (others,)."""
+        known = zip(others, shares, strict=True)
+        self.others.extend((one.present, float(share)) for one, share in known)
+
+
+@dataclass(frozen=True, eq=False)
+class PointForces(ScalarForces):
+    """Of the motion q_j of a boundary's point that stays elastic, or of the force between both.
+
+    Attributes:
+        moved: 0, as it moves no node by itself, (nodes, components).
+        partner: The present value of the other one of the two.
+        tie: κ, the second derivative of their energy in both (force/length).
+    """
+
+    moved: Array
+    partner: fem.Constant
+    tie: float
+
+    def force(self, displacement: Array, mean_stress: Array) -> float:
+        """The force that does work on it, from the displacement of all nodes; collective."""
+        own = super().force(displacement, mean_stress)
+        return own + self.tie * float(self.partner.value)
+
+    def follow(self, others: Sequence[ScalarForces], shares: Array) -> None:
+        """No other scalar of the body acts on it than its partner."""
+
+
+def point_forces(
+    face: CoupledFace, spread: SpreadForces, modulus: float, stresses: tuple[int, int]
+) -> tuple[list[PointForces], list[PointForces]]:
+    """Forces of the scalars m_j and q_j of a boundary that stays elastic.
+
+    Args:
+        face: The boundary.
+        spread: How it takes forces on its point.
+        modulus: Stiffness of the body (stress).
+        stresses: Numbers of dofs of a mean stress of this rank, all and owned.
+    """
+    spaces = face.spaces
+    tie = modulus * face.size / face.reach
+    nothing, (every, owned) = np.zeros_like(spread.nodal[0]), stresses
+    found: tuple[list[PointForces], list[PointForces]] = [], []
+    for nodal in spread.nodal:
+        pair = [fem.Constant(spaces.body.mesh, 0.0) for _ in range(2)]
+        forces = (-tie * nodal, nothing)
+        for of, one, other, force in zip(found, pair, reversed(pair), forces, strict=True):
+            of.append(
+                PointForces(spaces, one, force, np.zeros(every), owned, 0.0, nothing, other, tie)
+            )
+    return found
+
 
 class MotionsOfFaces:
     """Finds what ways of coupled faces do to the body; collective.
@@ -170,6 +340,14 @@ class MotionsOfFaces:
         self._volumes = None
         if mean_pressure is not None:
             self._volumes = form_cache.form(ufl.action(mean_pressure, self._unit))
+
+    @property
+    def stresses(self) -> tuple[int, int]:
+        """Numbers of dofs of a mean stress of this rank, all and owned; 0 without one."""
+        if self._volumes is None:
+            return 0, 0
+        index_map = self._volumes.function_spaces[0].dofmap.index_map
+        return int(index_map.size_local + index_map.num_ghosts), int(index_map.size_local)
 
     def of(self, moved: Array) -> MotionForces:
         """Forces of a way on the body.

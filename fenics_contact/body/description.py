@@ -52,17 +52,19 @@ class SpringGroup:
 
 @dataclass(frozen=True)
 class CoupledGroup:
-    """A boundary that moves as a rigid body.
+    """A boundary that moves as a rigid body, or whose mean motion a point follows.
 
     Attributes:
         on: Its name.
         at: The point that moves with it; None for the centroid of the boundary.
         label: Name in messages and results; no part of what the body is.
+        is_rigid: Whether it moves as a rigid body.
     """
 
     on: str
     at: tuple[float, ...] | None
     label: str = field(compare=False)
+    is_rigid: bool = True
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ class BodyDescription:
         contacts: In scene order.
         preloads: Likewise.
         springs: Of supports that give way, likewise.
-        couplings: Boundaries that move as rigid bodies, likewise.
+        couplings: Boundaries that move with a point, likewise.
         joints: Springs between these, likewise.
     """
 
@@ -177,7 +179,9 @@ class BodyDescription:
                 for number, each in enumerate(scene.support)
                 if each.is_elastic
             ),
-            couplings=tuple(CoupledGroup(each.on, each.at, each.label) for each in scene.coupling),
+            couplings=tuple(
+                CoupledGroup(each.on, each.at, each.label, each.is_rigid) for each in scene.coupling
+            ),
             joints=tuple(_joint(each, scene) for each in scene.spring),
         )
 

@@ -24,13 +24,22 @@ from numpy.typing import NDArray
 from ufl.core.expr import Expr
 
 from fenics_contact.body import materials as material
-from fenics_contact.body.coupled_face import CoupledFace, Joints, MotionsOfFaces
+from fenics_contact.body.coupled_face import (
+    CoupledFace,
+    Joints,
+    MotionForces,
+    MotionsOfFaces,
+    PointForces,
+    SpreadForces,
+    point_forces,
+)
 from fenics_contact.body.description import BodyDescription, Joint
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.springs import springs_of
+from fenics_contact.body.supports import HeldDofs
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
@@ -62,9 +71,11 @@ class ElasticBody:
         name: What is modelled, in words.
         displacement: The unknown, a dolfinx function.
         preloaded: Parts whose unstressed length is changed.
-        faces: Boundaries that move as rigid bodies.
-        scalar_forces: What each scalar of the energy does to the body: such a change, then the ways
-            in which these faces move.
+        faces: Boundaries that move with a point.
+        spreads: How those of these take forces that stay elastic, None of rigid ones.
+        scalar_forces: What each scalar of the energy does to the body: such a change, then forces
+            between points and boundaries that stay elastic, then the ways in which points move.
+        ties: Number of those forces.
         scalar_stiffness: Second derivatives of the energy in these, (scalars, scalars), with that
             of springs between faces, but not of stops.
         joints: Springs between faces, and between these and the ground.
@@ -75,7 +86,11 @@ class ElasticBody:
     """
 
     def __init__(
-        self, description: BodyDescription, spaces: Spaces, displacement: fem.Function
+        self,
+        description: BodyDescription,
+        spaces: Spaces,
+        displacement: fem.Function,
+        held: HeldDofs,
     ) -> None:
         self._spaces = spaces
         self.displacement = displacement
@@ -107,6 +122,13 @@ class ElasticBody:
             CoupledFace(each, f"coupling[{number}]", spaces)
             for number, each in enumerate(description.couplings)
         ]
+        self.spreads = [
+            None
+            if face.described.is_rigid
+            else SpreadForces(face, f"coupling[{n}]", spaces, held.reached_planes(face.nodes))
+            for n, face in enumerate(self.faces)
+        ]
+        self.ties = sum(len(one.nodal) for one in self.spreads if one is not None)
         self.scalar_stiffness = np.diag([one.stiffness for one in self.scalar_forces])
         if self.faces:
             self._couple_faces(stiffness)
@@ -121,23 +143,31 @@ class ElasticBody:
             u = ufl.TrialFunction(spaces.displacement_space)
             volumes = spaces.weight * t * ufl.tr(self.strain(u)) * spaces.bulk
         find = MotionsOfFaces(spaces, stiffness, volumes)
-        motions = [find.of(moved) for face in self.faces for moved in face.fields]
-        first, own = len(self.preloaded), slice(spaces.owned_nodes)
-        self.scalar_forces = [*self.scalar_forces, *motions]
+        ties, ways = list[PointForces](), list[MotionForces | PointForces]()
+        for face, spread in zip(self.faces, self.spreads, strict=True):
+            if spread is None:
+                ways += [find.of(moved) for moved in face.fields]
+                continue
+            of_ties, of_ways = point_forces(face, spread, self.reference_modulus, find.stresses)
+            ties, ways = [*ties, *of_ties], [*ways, *of_ways]
+        first, own = len(self.preloaded) + len(ties), slice(spaces.owned_nodes)
+        self.scalar_forces = [*self.scalar_forces, *ties, *ways]
         nodal = np.array([one.nodal[own] for one in self.scalar_forces])
-        moved = np.array([one.moved[own] for one in motions])
+        moved = np.array([one.moved[own] for one in ways])
         works = np.asarray(total(spaces.comm, np.einsum("inc,jnc->ij", nodal, moved)))
         before, self.scalar_stiffness = self.scalar_stiffness, np.zeros((len(nodal), len(nodal)))
-        self.scalar_stiffness[:first, :first] = before
+        self.scalar_stiffness[: len(before), : len(before)] = before
         self.scalar_stiffness[:, first:] = works
         self.scalar_stiffness[first:, :] = works.T
-        for number, motion in enumerate(motions):
-            shares = zip(self.scalar_forces[:first], works[:first, number], strict=True)
-            motion.others.extend((one.present, float(share)) for one, share in shares)
+        for number, way in enumerate(ways):
+            way.follow(self.scalar_forces[:first], works[:first, number])
+        for row, tie in enumerate(ties, len(self.preloaded)):
+            column = next(n for n, way in enumerate(ways, first) if way.present is tie.partner)
+            self.scalar_stiffness[[row, column], [column, row]] = tie.tie
 
     def joined(self, joints: Sequence[Joint]) -> Joints:
         """Return springs between the faces, such as one of the body's joints alone."""
-        return Joints(joints, self.faces, len(self.preloaded))
+        return Joints(joints, self.faces, len(self.preloaded) + self.ties)
 
     def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:
         """The preloaded parts, which share no cells; collective."""

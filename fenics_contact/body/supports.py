@@ -11,7 +11,7 @@ import numpy as np
 from fenics_contact.body.description import BodyDescription, CoupledGroup, HeldGroup
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import dolfinx_versions as compat
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, of_every_rank, raise_together, smallest, total
 from fenics_contact.scene.loading.load_paths import KeyedPath, knots
@@ -57,7 +57,8 @@ class HeldDofs:
 
     Attributes:
         by_supports: In scene order.
-        by_couplings: Likewise; of these the displacement follows from scalar unknowns.
+        by_couplings: Likewise; of these the displacement follows from scalar unknowns. Couplings
+            that are not rigid hold no dof.
         by_symmetry: By planes of symmetry, and the axis of revolution where it is reached.
         planes: The planes of symmetry; the axis of revolution is none.
         walls: Axis and coordinate of the flat sides that supports hold across, each once.
@@ -108,10 +109,10 @@ class HeldDofs:
         """Whether two planes face each other: mirrored in both, the body goes on for ever."""
         return len({plane.axis for plane in self.planes}) < len(self.planes)
 
-    def reached_planes(self, dofs: Integers) -> set[int]:
-        """Axes across planes of symmetry in which some of the nodes of dofs lie; collective."""
+    def reached_planes(self, nodes: AnyIntegers) -> set[int]:
+        """Axes across planes of symmetry in which some of the nodes lie; collective."""
         spaces = self._spaces
-        places, close = spaces.coordinates[dofs // spaces.components], _FLAT * spaces.size
+        places, close = spaces.coordinates[nodes], _FLAT * spaces.size
         return {
             plane.axis
             for plane in self.planes
@@ -127,9 +128,9 @@ class HeldDofs:
     def _of_face(self, number: int, described: CoupledGroup) -> Held:
         spaces = self._spaces
         nodes = spaces.nodes(spaces.body.boundary(described.on, f"coupling[{number}].on"))
-        size = spaces.components
-        dofs = (nodes.astype(np.int64) * size + np.arange(size)[:, None]).ravel()
-        return Held(described.on, dofs)
+        size = spaces.components if described.is_rigid else 0
+        dofs = nodes.astype(np.int64) * spaces.components + np.arange(size)[:, None]
+        return Held(described.on, dofs.ravel())
 
     def _walls(self, description: BodyDescription) -> list[tuple[int, float]]:
         """Planes across an axis in which facets lie that supports hold along this axis.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fenics_contact.problem.loads.couplings import FaceMotion
+from fenics_contact.problem.loads.couplings import PointMotion
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarState
 from fenics_contact.results.records.contacts import CouplingRecord, SupportRecord
@@ -25,7 +25,7 @@ def coupling_motions(
     ]
     numbers = {one.label: number for number, one in enumerate(problem.scene.coupling)}
     for one, state in zip(problem.body_scalars, scalars, strict=True):
-        if isinstance(one, FaceMotion):
+        if isinstance(one, PointMotion):
             kind, _ = one.way
             found[numbers[one.scene.label]][kind].append(one.amount_of(state.value))
     if problem.spaces.kinematics == "axisymmetric":

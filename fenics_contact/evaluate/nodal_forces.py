@@ -41,6 +41,9 @@ class BulkForces(InternalForces):
         #: Forces of the springs of each elastic support on the body, (nodes, components).
         self.of_springs = [foot.forces(solution.displacement) for foot in problem.feet]
         self._feet = [foot.displacement for foot in problem.feet]
+        #: Forces of points on faces that they are coupled with and that stay elastic, by number of
+        #: the applied support, (nodes, components) each.
+        self.of_points = problem.forces_of_points(solution.scalars)
 
     @property
     def unbalanced(self) -> Array:
@@ -56,9 +59,10 @@ class BulkForces(InternalForces):
     def reactions(self) -> Array:
         """Reactions of supports at the nodes, (nodes, components) (force).
 
-        0 at free dofs where no springs act.
+        0 at free dofs where no springs act, and no coupling.
         """
-        return np.asarray(np.add.reduce([self._rigid_reactions, *self.of_springs]))
+        every = [self._rigid_reactions, *self.of_springs, *self.of_points.values()]
+        return np.asarray(np.add.reduce(every))
 
     @property
     def _rigid_reactions(self) -> Array:
@@ -125,6 +129,8 @@ class BulkForces(InternalForces):
         own = slice(spaces.owned_nodes)
         for foot, force in zip(problem.feet, self.of_springs, strict=True):
             rows[foot.springs.support] += resultant(spaces, force[own])
+        for number, force in self.of_points.items():
+            rows[number] += resultant(spaces, force[own])
         return rows
 
     @cached_property
@@ -138,9 +144,11 @@ class BulkForces(InternalForces):
         ways = [turned(number, shared.dofs) for number in range(len(every))]
         found: Array = total(problem.comm, np.array(works))
         found += shared.moved_along(ways, needed, self.solution.displacement)
-        for foot, force in zip(problem.feet, self.of_springs, strict=True):
-            way = turned(foot.springs.support, np.arange(owned))
-            found[foot.springs.support] += total(problem.comm, way @ force.reshape(-1)[:owned])
+        springs = zip(problem.feet, self.of_springs, strict=True)
+        spread = [(foot.springs.support, force) for foot, force in springs]
+        for number, force in (*spread, *self.of_points.items()):
+            way = turned(number, np.arange(owned))
+            found[number] += total(problem.comm, way @ force.reshape(-1)[:owned])
         return found + 0.0  # no −0
 
     @property

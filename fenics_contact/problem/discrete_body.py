@@ -58,7 +58,7 @@ class DiscreteBody:
         self._refuse_at_couplings()
         self.outer = self._outer_dofs()
         self.constrained = np.union1d(self.held.dofs, self.outer)
-        self.elastic = ElasticBody(description, self.spaces, self.displacement)
+        self.elastic = ElasticBody(description, self.spaces, self.displacement, self.held)
         self.is_kept = False
         self.found: dict[Hashable, Any] = {}
         named = [
@@ -114,7 +114,7 @@ class DiscreteBody:
         return (nodes[:, None] * spaces.components + np.arange(spaces.components)).ravel()
 
     def _refuse_at_couplings(self) -> None:
-        """No point of a coupled face is held, sprung, moved or touched by anything else."""
+        """No point of a rigid face is held, sprung, moved or touched by anything else."""
         body, spaces, description = self.spaces.body, self.spaces, self.description
         groups = [(f"coupling[{i}].on", each.on) for i, each in enumerate(description.couplings)]
         others = [(f"support[{i}].on", each.on) for i, each in enumerate(description.held)]
@@ -122,9 +122,14 @@ class DiscreteBody:
             names = {"on": contact.on, "against": contact.against}
             others += [(f"contact[{number}].{k}", name) for k, name in names.items() if name]
         others += [(f"half_space.on[{i}]", on) for i, on in enumerate(description.outer)]
+        rigid = [each.is_rigid for each in description.couplings]
         for number, (key, on) in enumerate(groups):
+            if not rigid[number]:
+                continue
             nodes = spaces.nodes(body.boundary(on, key))
-            for other_key, other in [*others, *groups[:number]]:
+            elastic = [one for one, is_rigid in zip(groups, rigid, strict=True) if not is_rigid]
+            before = [one for one in groups[:number] if one not in elastic]
+            for other_key, other in [*others, *before, *elastic]:
                 shared = np.intersect1d(nodes, spaces.nodes(body.group(other, other_key)))
                 if total(spaces.comm, len(shared)):
                     raise InputError(

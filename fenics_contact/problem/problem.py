@@ -278,6 +278,25 @@ class Problem:
         """Whether there are springs besides the body."""
         return bool(self.feet or self.scene.spring)
 
+    def forces_of_points(self, scalars: Sequence[ScalarState]) -> dict[int, Array]:
+        """Forces of points on faces that they are coupled with and that stay elastic.
+
+        Args:
+            scalars: States of the body's scalars in an answer.
+
+        Returns:
+            By number of the applied support, (nodes, components) each (force).
+        """
+        found: dict[int, Array] = {}
+        labels = [self.applied_supports[number].label for number in self.couplings]
+        for one, state in zip(self.body_scalars, scalars, strict=True):
+            spread = one.on_face(state.value)
+            if spread is not None:
+                label, force = spread
+                number = int(self.couplings[labels.index(label)])
+                found[number] = found.get(number, 0.0) + force
+        return found
+
     def pull_of_joints(self, scalars: Sequence[ScalarState]) -> Array:
         """Forces by which springs between coupled faces pull at the body's scalars back (force).
 

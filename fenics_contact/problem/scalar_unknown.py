@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
+import ufl
 from ufl.core.expr import Expr
 
 from fenics_contact.body.elastic_body import ElasticBody
@@ -224,6 +225,7 @@ class BodyScalar(ScalarUnknown):
     Attributes:
         label: What results call it.
         force_name: Name of ∂W/∂q among quantities of results; None where these have none.
+        check: Name of the check that compares ∂W/∂q with the force asked for.
         has_slack: Whether without a force it may stay anywhere, as the shortening of a loose bolt.
 
     Args:
@@ -232,6 +234,7 @@ class BodyScalar(ScalarUnknown):
     """
 
     force_name: ClassVar[str | None] = None
+    check: ClassVar[str] = "preload"
     has_slack: ClassVar[bool] = True
 
     def __init__(self, label: str, forces: ScalarForces) -> None:
@@ -275,6 +278,25 @@ class BodyScalar(ScalarUnknown):
     @property
     def moved(self) -> Array | None:
         """Displacement of a unit of it, (nodes, components); None where it moves no node."""
+        return None
+
+    def on_face(self, value: float) -> tuple[str, Array] | None:
+        """Forces of a point on the face that it is coupled with; None for none.
+
+        Args:
+            value: Of the scalar (length).
+
+        Returns:
+            Label of the coupling, and its nodal forces, (nodes, components) (force).
+        """
+        return None
+
+    def work_on(self, test: Expr) -> ufl.Form | None:
+        """Work of its present traction on a boundary, as a form in UFL; None without one.
+
+        Args:
+            test: The displacement that it works on.
+        """
         return None
 
     def follow_loads(self, nodal: Array) -> None:

@@ -133,7 +133,7 @@ class Scene(CoreScene):
     ] = ()
     coupling: Annotated[
         tuple[Coupling, ...],
-        Field(description=f"boundaries that move as rigid bodies, up to {_MOST}", max_length=_MOST),
+        Field(description=f"boundaries that move with a point, up to {_MOST}", max_length=_MOST),
     ] = ()
     spring: Annotated[
         tuple[Spring, ...],

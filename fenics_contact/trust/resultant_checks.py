@@ -8,7 +8,6 @@ place.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import reduce
 
@@ -130,6 +129,9 @@ def _held_axes(problem: Problem) -> Flags:
         nodes = nodes[nodes < spaces.owned_nodes]
         ways = springs.along(nodes)[springs.stiffness > 0]
         held |= np.asarray(spaces.parts.sums(np.abs(ways).sum(axis=0), nodes) > 0)
+    for face in problem.elastic.faces:
+        nodes = face.nodes[face.nodes < spaces.owned_nodes]
+        held |= np.asarray(spaces.parts.sums(np.ones(len(nodes)), nodes) > 0)[:, None]
     if spaces.kinematics == "axisymmetric":
         held[:, 0] = True  # radial forces have no resultant
     return held
@@ -209,7 +211,7 @@ def preloads(forces: InternalForces) -> Check | None:
 
     None where no force is given.
     """
-    return _given_forces(forces, [one.moved is None for one in forces.problem.body_scalars])
+    return _given_forces(forces, "preload")
 
 
 def couplings(forces: InternalForces) -> Check | None:
@@ -217,30 +219,30 @@ def couplings(forces: InternalForces) -> Check | None:
 
     Moments over the largest distance of the face from its point. None where none is given.
     """
-    return _given_forces(forces, [one.moved is not None for one in forces.problem.body_scalars])
+    return _given_forces(forces, "coupling")
 
 
-def _given_forces(forces: InternalForces, chosen: Sequence[bool]) -> Check | None:
+def _given_forces(forces: InternalForces, check: str) -> Check | None:
     """Forces on scalars of the body against those given, over the largest of both; collective.
 
     The one compared follows from the displacement and the scalar.
 
     Args:
         forces: Of the answer.
-        chosen: Which of the body's scalars; those that are locked do not count.
+        check: Of which of the body's scalars; those that are locked do not count.
     """
     problem, solution = forces.problem, forces.solution
     states = forces.scalar_states()
-    rows = zip(problem.body_scalars, states, problem.pull_of_joints(states), chosen, strict=True)
+    rows = zip(problem.body_scalars, states, problem.pull_of_joints(states), strict=True)
+    chosen = [row for row in rows if row[0].check == check]
     compared = [
-        (scalar.force, state.force + pull)
-        for scalar, state, pull, is_one in rows
-        if is_one and not scalar.is_locked
+        (scalar.force, state.force + pull) for scalar, state, pull in chosen if not scalar.is_locked
     ]
     if not compared:
         return None
     asked, found = np.array(compared).T
-    size = float(np.abs([asked, found]).max()) or 1.0
+    locked = [state.force for scalar, state, _ in chosen if scalar.is_locked]
+    size = float(np.abs([*asked, *found, *locked]).max()) or 1.0
     value = float(np.abs(found - asked).max()) / size
     return Check(value, _NO_FORCE + 2 * solution.imbalance_limit / size)
 

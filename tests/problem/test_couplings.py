@@ -345,7 +345,6 @@ def test_faces_that_something_else_holds_are_refused(changes, name):
 @pytest.mark.parametrize(
     ("make", "name"),
     [
-        (lambda: Coupling("y1", kind="distributing"), "coupling_distributing"),
         (lambda: Coupling("y1", force=(0, 1), displacement={"y": 0}), "coupling_given_twice"),
         (lambda: punch(coupling=(Coupling("y1", moment=(0, 0, 1)),)), "coupling_moment_in_plane"),
         (

@@ -1,15 +1,23 @@
-"""The motions of faces that are rigid, as scalar unknowns of the problem."""
+"""The motions of points that faces are coupled with, as scalar unknowns of the problem.
+
+A rigid face moves with its point. One that stays elastic has a second scalar for each way, the
+force between point and face, by which its mean motion is that of the point.
+"""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
+from functools import cached_property
 from typing import ClassVar, cast
 
 import numpy as np
+import ufl
 from ufl.core.expr import Expr
 
-from fenics_contact.body.coupled_face import CoupledFace, MotionForces
+from fenics_contact.body.coupled_face import CoupledFace, MotionForces, PointForces, SpreadForces
 from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
@@ -25,11 +33,11 @@ from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.values import AXES
 
 
-class FaceMotion(BodyScalar):
-    """One way in which a coupled face moves, as a length q: its force N(u, q) = F, or q is given.
+class PointMotion(BodyScalar):
+    """One way in which a coupled point moves, as a length q: its force N(u, q) = F, or q is given.
 
-    N is the work of K u on the face over q, F that of the coupling's force or moment and of the
-    loads that act on the nodes of the face.
+    F is the work of the coupling's force or moment over q. N is that of the force between the point
+    and its face, where this stays elastic.
 
     Attributes:
         way: Along or about which axis.
@@ -44,6 +52,7 @@ class FaceMotion(BodyScalar):
     """
 
     has_slack: ClassVar[bool] = False
+    check: ClassVar[str] = "coupling"
 
     def __init__(
         self,
@@ -51,16 +60,16 @@ class FaceMotion(BodyScalar):
         key: str,
         face: CoupledFace,
         way: Way,
-        forces: MotionForces,
+        forces: ScalarForces,
         is_mirrored: bool,
     ) -> None:
         super().__init__(f"{'.'.join(way)} of {scene.label}", forces)
-        self.scene, self.way, self._face, self._motion = scene, way, face, forces
+        self.scene, self.way, self._face = scene, way, face
         self._path = KeyedPath(scene.path, f"{key}.path")
         self._is_given = is_mirrored or way in scene.given
         self._amount = 0.0 if is_mirrored else face.amount(way, scene.given.get(way, 0.0))
         self._work = face.work(way, scene.acting.get(way, 0.0))
-        self._factor, self._by_loads, self._besides = 0.0, 0.0, 0.0
+        self._factor, self._besides = 0.0, 0.0
 
     @property
     def name(self) -> str:
@@ -77,8 +86,8 @@ class FaceMotion(BodyScalar):
 
     @property
     def force(self) -> float:
-        """Work over q of the coupling's force and of loads on its face (force)."""
-        return self._work * self._factor + self._by_loads
+        """Work of the coupling's force over q (force)."""
+        return self._work * self._factor + self._besides
 
     @property
     def own_force(self) -> float:
@@ -109,15 +118,71 @@ class FaceMotion(BodyScalar):
         """The motion at which a load step begins (length)."""
         return self._reached if self.held is None else self.held
 
-    @property
-    def moved(self) -> Array:
-        """Displacement of a unit of it, 0 off the face, (nodes, components)."""
-        return self._motion.moved
-
     def set_time(self, time: float, more: float = 0.0) -> None:
         """Bring force and given motion to a pseudo-time."""
         self._factor = self._path(time)
         self._besides = more * time
+
+    def amount_of(self, value: float) -> float:
+        """Displacement or rotation of a value of the scalar (length, radian)."""
+        return value / self._face.amount(self.way, 1.0)
+
+    def ways_in(self, fields: Array) -> Array:
+        """Its value in motions of the body that do not strain it, (motions,); collective (length).
+
+        Args:
+            fields: Displacements of these, (nodes, components, motions) (length).
+        """
+        spaces, own = self._face.spaces, slice(self._face.spaces.owned_nodes)
+        works = np.einsum("nc,ncm->m", self._measured[own], fields[own])
+        return np.asarray(total(spaces.comm, works))
+
+    @property
+    @abstractmethod
+    def _measured(self) -> Array:
+        """Weights of nodal displacements that give its value, (nodes, components)."""
+
+    def force_of(self, stress: Expr) -> Expr | None:
+        """None: all its force is that of nodal forces."""
+        return None
+
+
+class FaceMotion(PointMotion):
+    """One way in which a rigid face moves with its point.
+
+    Its force N is the work of K u on the face over q. The loads that act on the nodes of the face
+    are a part of F.
+
+    Args:
+        scene: The coupling.
+        key: Its key, for messages.
+        face: The face.
+        way: Along or about which axis.
+        forces: What a unit of it does to the body.
+        is_mirrored: Whether symmetry keeps it at 0, as the face and its mirror image are one.
+    """
+
+    def __init__(
+        self,
+        scene: Coupling,
+        key: str,
+        face: CoupledFace,
+        way: Way,
+        forces: MotionForces,
+        is_mirrored: bool,
+    ) -> None:
+        super().__init__(scene, key, face, way, forces, is_mirrored)
+        self._motion, self._by_loads = forces, 0.0
+
+    @property
+    def force(self) -> float:
+        """Work over q of the coupling's force and of loads on its face (force)."""
+        return super().force + self._by_loads
+
+    @property
+    def moved(self) -> Array:
+        """Displacement of a unit of it, 0 off the face, (nodes, components)."""
+        return self._motion.moved
 
     def follow_loads(self, nodal: Array) -> None:
         """Take the loads on the face into account; collective.
@@ -127,34 +192,139 @@ class FaceMotion(BodyScalar):
         """
         own = slice(self._motion.spaces.owned_nodes)
         works = float(np.sum(self._motion.moved[own] * nodal[own]))
-        self._by_loads = float(total(self._motion.spaces.comm, works)) + self._besides
+        self._by_loads = float(total(self._motion.spaces.comm, works))
 
     def state_at(self, force: float, value: float) -> ScalarState:
         """State in an answer; its work is that of the displacement of the face's nodes."""
         return ScalarState(force, value, self.is_locked, works=False)
 
-    def amount_of(self, value: float) -> float:
-        """Displacement or rotation of a value of the scalar (length, radian)."""
-        return value / self._face.amount(self.way, 1.0)
+    @cached_property
+    def _measured(self) -> Array:
+        """By least squares over the nodes of the face."""
+        face, own = self._face, slice(self._face.spaces.owned_nodes)
+        fields = face.fields[:, own]
+        gram = np.asarray(total(face.spaces.comm, np.einsum("inc,jnc->ij", fields, fields)))
+        row = np.linalg.pinv(gram, hermitian=True)[face.ways.index(self.way)]
+        return np.tensordot(row, face.fields, 1)
+
+
+class MeanMotion(PointMotion):
+    """One way in which a point moves by the mean motion of a face that stays elastic."""
+
+    def __init__(
+        self,
+        scene: Coupling,
+        key: str,
+        face: CoupledFace,
+        way: Way,
+        forces: ScalarForces,
+        is_mirrored: bool,
+        measured: Array,
+    ) -> None:
+        super().__init__(scene, key, face, way, forces, is_mirrored)
+        self._mean = measured
+
+    @property
+    def _measured(self) -> Array:
+        return self._mean
+
+
+class SpreadForce(BodyScalar):
+    """The force between a point and a face that stays elastic, as a length m: κ m.
+
+    Its equation is κ (q − C u) = 0: the point has the mean motion of the face.
+
+    Args:
+        motion: Of the point.
+        face: The face.
+        spread: How it takes forces on its point.
+        forces: What a unit of m does to the body.
+        is_mirrored: Whether symmetry leaves no force, as the face and its mirror image are one.
+    """
+
+    has_slack: ClassVar[bool] = False
+    check: ClassVar[str] = "coupling"
+
+    def __init__(
+        self,
+        motion: MeanMotion,
+        face: CoupledFace,
+        spread: SpreadForces,
+        forces: PointForces,
+        is_mirrored: bool,
+    ) -> None:
+        super().__init__(f"force of {motion.label}", forces)
+        self.motion, self._face, self._spread = motion, face, spread
+        self.tie, self._is_mirrored = forces.tie, is_mirrored
+        self._besides = 0.0
+
+    @property
+    def name(self) -> str:
+        """Name of the scalar in results."""
+        return self.label
+
+    @property
+    def force(self) -> float:
+        """Nothing keeps the point from the mean motion (force)."""
+        return self._besides
+
+    @property
+    def has_force(self) -> bool:
+        """Whether anything pushes it; that the point follows counts."""
+        return True
+
+    @property
+    def is_locked(self) -> bool:
+        """Whether symmetry leaves no force."""
+        return self._is_mirrored
+
+    @property
+    def held(self) -> float | None:
+        """0 where symmetry leaves no force."""
+        return 0.0 if self._is_mirrored else self._kept_at
+
+    def set_time(self, time: float, more: float = 0.0) -> None:
+        """Take what disturbs its equation at a pseudo-time."""
+        self._besides = more * time
+
+    def on_face(self, value: float) -> tuple[str, Array]:
+        """Label of the coupling, and nodal forces on the face, (nodes, components) (force)."""
+        return self.motion.scene.label, -value * self._forces.nodal
+
+    def resultant(self, way: Way) -> float:
+        """Force or moment on the face along a way, over the value."""
+        return self._face.amount(way, self.tie) if way == self.motion.way else 0.0
+
+    def work_on(self, test: Expr) -> ufl.Form:
+        """Work of the present traction on a displacement, as a form in UFL.
+
+        Args:
+            test: The displacement.
+        """
+        return self._spread.work_of(self.motion.way, self.tie * self._forces.present, test)
 
     def force_of(self, stress: Expr) -> Expr | None:
-        """None: all its force is that of nodal forces on the face."""
+        """None: its equation has displacements of the face alone."""
         return None
 
 
 def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
-    """Return a scalar for each way of each coupling of the scene, in its order; collective.
+    """Return the scalars of the scene's couplings, forces between points and faces first.
+
+    Each has one for each way of each coupling, in its order; collective.
 
     Raises:
         InputError: A motion is given that symmetry does not allow.
     """
-    elastic, found = problem.elastic, list[ScalarUnknown]()
-    motions = iter(elastic.scalar_forces[len(elastic.preloaded) :])
-    held = problem.supports.held
-    rows = zip(problem.scene.coupling, elastic.faces, held.by_couplings, strict=True)
-    for number, (coupling, face, at) in enumerate(rows):
-        mirrored = {AXES[axis] for axis in held.reached_planes(at.dofs)}
-        for way in face.ways:
+    elastic, forces_found, found = problem.elastic, list[ScalarUnknown](), list[ScalarUnknown]()
+    every = iter(elastic.scalar_forces[len(elastic.preloaded) :])
+    ties = [next(every) for _ in range(elastic.ties)]
+    held, spread_forces = problem.supports.held, iter(cast(list[PointForces], ties))
+    rows = zip(problem.scene.coupling, elastic.faces, elastic.spreads, strict=True)
+    for number, (coupling, face, spread) in enumerate(rows):
+        key = f"coupling[{number}]"
+        mirrored = {AXES[axis] for axis in held.reached_planes(face.nodes)}
+        for place, way in enumerate(face.ways):
             kind, axis = way
             across = axis in mirrored if kind == "displacement" else bool(mirrored - {axis})
             if across and coupling.given.get(way, 0.0) != 0:
@@ -163,9 +333,16 @@ def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
                     "reaches a plane of symmetry, and is one with its mirror image, so that it "
                     "cannot move so; leave it out"
                 )
-            forces = cast(MotionForces, next(motions))
-            found.append(FaceMotion(coupling, f"coupling[{number}]", face, way, forces, across))
-    return found
+            forces = next(every)
+            if spread is None:
+                own = cast(MotionForces, forces)
+                found.append(FaceMotion(coupling, key, face, way, own, across))
+                continue
+            mean = spread.nodal[place]
+            motion = MeanMotion(coupling, key, face, way, forces, across, mean)
+            found.append(motion)
+            forces_found.append(SpreadForce(motion, face, spread, next(spread_forces), across))
+    return [*forces_found, *found]
 
 
 class CoupledMotions:
@@ -192,19 +369,15 @@ class CoupledMotions:
         spaces: Spaces,
         fields: Array,
     ) -> None:
-        motions = [one for one in scalars if isinstance(one, FaceMotion)]
+        motions = [one for one in scalars if isinstance(one, PointMotion)]
         self.given = [one.is_locked for one in motions]
         self.held, self.work = np.zeros((0, fields.shape[-1])), np.zeros(fields.shape[-1])
         if not motions:
             return
-        own, comm = slice(spaces.owned_nodes), spaces.comm
-        moved = np.array([one.moved[own] for one in motions])
-        gram = total(comm, np.einsum("inc,jnc->ij", moved, moved))
-        products = total(comm, np.einsum("inc,ncm->im", moved, fields[own]))
-        ways = np.linalg.pinv(np.asarray(gram), hermitian=True) @ products
+        ways = np.array([one.ways_in(fields) for one in motions])
         ways[np.abs(ways) <= 1e-12 * np.abs(ways).max()] = 0.0
         self.work = np.array([one.own_force for one in motions]) @ ways
-        if comm.rank == 0:
+        if spaces.comm.rank == 0:
             first = len(scalars) - len(motions)
             springs = elastic.joints.stiffness[first:, first:]
             sprung = springs @ ways / (np.abs(springs).max() or 1.0)

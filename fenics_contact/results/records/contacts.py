@@ -233,14 +233,14 @@ class PreloadRecord(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CouplingRecord(Record):
-    """A face that moves as a rigid body with a point.
+    """A face that moves with a point.
 
     Attributes:
         name: That of the scene, by default that of the boundary.
         on: The boundary.
-        kind: ``rigid``.
+        kind: ``rigid``, or ``distributing``, whose face has the motion of the point in the mean.
         displacement: Of the point (length).
-        rotation: Of the face (radian): about the three axes in space, one number in the plane,
+        rotation: Of the point (radian): about the three axes in space, one number in the plane,
             none in axisymmetric models.
         force: On the point, given or needed; of the part that is modelled (force).
         moment: The same about the point (force·length), likewise as the rotation.

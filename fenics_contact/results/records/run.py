@@ -184,7 +184,7 @@ class Outcome(Record):
         supports: Each support.
         reactions: Name → all supports of that name together.
         preloads: Name → preload, where there are any.
-        couplings: Each face that moves as a rigid body, in scene order, where there are any.
+        couplings: Each face that moves with a point, in scene order, where there are any.
         quantities: Of the whole model, at the end; empty without an answer.
         steps: Each load step.
         cycles: What becomes of loads that come again and again, where they do.

@@ -1,4 +1,4 @@
-"""Couplings of a scene: a face that moves as a rigid body, loaded or moved at a point; springs."""
+"""Couplings of a scene: a face that moves with a point, loaded or moved there; springs."""
 
 from __future__ import annotations
 
@@ -23,28 +23,29 @@ from fenics_contact.scene.values import (
     scene_class,
 )
 
-# One way in which a rigid face moves: along an axis, or about it.
+# One way in which a coupled point moves: along an axis, or about it.
 Way = tuple[Literal["displacement", "rotation"], AxisName]
 
 
 @scene_class
 class Coupling:
-    """A boundary that moves as a rigid body with a point: u = d + θ × (x − at), small rotations.
+    """A boundary that moves with a point: u = d + θ × (x − at), small rotations.
 
-    What neither ``displacement`` nor ``rotation`` gives follows from ``force`` and ``moment``,
-    which are 0 by default.
+    A rigid one does so at all its points, a distributing one in the mean, by area: force and moment
+    act on it as a traction that is linear in the place. What neither ``displacement`` nor
+    ``rotation`` gives follows from ``force`` and ``moment``, which are 0 by default.
 
     >>> handle = Coupling("end", name="handle", force=(0, -100), rotation={"z": 0})
     >>> handle.given
     {('rotation', 'z'): 0.0}
     """
 
-    on: Annotated[Text, Field(description="physical group: the boundary that stays rigid")]
+    on: Annotated[Text, Field(description="physical group: the boundary")]
     kind: Annotated[
         Literal["rigid", "distributing"],
         Field(
-            description='`"rigid"`; for `"distributing"`, which leaves the boundary elastic, give '
-            "a `[[load]]` with `force`, `moment` and `at`"
+            description='`"rigid"`: the boundary moves as a rigid body; `"distributing"`: it stays '
+            "elastic, and the point has its mean motion"
         ),
     ] = "rigid"
     at: Annotated[
@@ -87,11 +88,6 @@ class Coupling:
     ] = None
 
     def __post_init__(self) -> None:
-        if self.kind == "distributing":
-            raise ValueError(
-                "kind = 'distributing': a [[load]] with force, moment and at does that; a "
-                "[[coupling]] is rigid"
-            )
         if self.name is not None:
             require_name(self.name)
         for way, value in self.acting.items():
@@ -106,6 +102,11 @@ class Coupling:
     def label(self) -> str:
         """Name in results and messages."""
         return self.name or self.on
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether the boundary moves as a rigid body."""
+        return self.kind == "rigid"
 
     @property
     def given(self) -> dict[Way, float]:

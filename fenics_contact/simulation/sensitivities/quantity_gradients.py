@@ -24,10 +24,12 @@ from fenics_contact.evaluate.internal_forces import (
     pressure_of_facets,
     pressure_of_facets_transposed,
 )
+from fenics_contact.problem.loads.couplings import SpreadForce
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarUnknown
 from fenics_contact.quantities import names
 from fenics_contact.quantities.names import EXTERNAL_WORK, REACTION, REACTION_MOMENT, STRAIN_ENERGY
+from fenics_contact.scene.loading.couplings import Way
 from fenics_contact.scene.quantity_names import QuantityName
 from fenics_contact.scene.values import AXES
 from fenics_contact.solve.condensed.adjoint import BodyGradient
@@ -318,6 +320,8 @@ def _work_on_contact(contact: ContactSurface, state: ContactState) -> AnswerGrad
 
 def _reaction(problem: Problem, _solution: Solution, name: QuantityName) -> StateGradient:
     assert name.axis is not None
+    if spread := _spread_forces(problem, name, ("displacement", AXES[name.axis])):
+        return StateGradient.of_scalars(problem, spread)
     held = np.setdiff1d(problem.constrained, problem.coupled)
     dofs = _dofs_of(problem, name.owner, name.axis) if name.owner else held
     reactions = np.zeros_like(problem.load)
@@ -351,6 +355,9 @@ def _with_springs(
 
 
 def _reaction_moment(problem: Problem, _solution: Solution, name: QuantityName) -> StateGradient:
+    way: Way = ("rotation", "z" if name.axis is None else AXES[name.axis])
+    if spread := _spread_forces(problem, name, way):
+        return StateGradient.of_scalars(problem, spread)
     dofs = _dofs_of(problem, name.owner, None)
     numbers = [n for n, one in enumerate(problem.applied_supports) if one.label == name.owner]
     arms = problem.support_moments.of_unit_rotations(numbers[0], dofs)[name.axis or 0]
@@ -359,6 +366,21 @@ def _reaction_moment(problem: Problem, _solution: Solution, name: QuantityName) 
     every = np.arange(reactions.size)
     turned = problem.support_moments.of_unit_rotations(numbers[0], every)[name.axis or 0]
     return _with_springs(problem, name, reactions, turned.reshape(reactions.shape))
+
+
+def _spread_forces(
+    problem: Problem, name: QuantityName, way: Way
+) -> list[tuple[ScalarUnknown, float]]:
+    """Scalars of a coupling whose face stays elastic, with what they add to a force or a moment.
+
+    Args:
+        problem: The model.
+        name: Whose owner is the coupling; of another one there are none.
+        way: Along or about which axis.
+    """
+    every = [one for one in problem.body_scalars if isinstance(one, SpreadForce)]
+    own = [one for one in every if one.motion.scene.label == name.owner]
+    return [(one, one.resultant(way)) for one in own]
 
 
 def _dofs_of(problem: Problem, owner: str, axis: int | None) -> Integers:

@@ -20,7 +20,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.point_gradients import GivenChange
 from fenics_contact.contact.rigid_obstacle import DIRECTIONS
 from fenics_contact.problem.loads import load_of_components
-from fenics_contact.problem.loads.couplings import FaceMotion
+from fenics_contact.problem.loads.couplings import PointMotion
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_kinds import Resultant, Shortening
 from fenics_contact.scene.loading.load_kinds import slope_of
@@ -240,9 +240,9 @@ class SceneChanges:
         )
 
     @property
-    def _motions(self) -> list[FaceMotion]:
+    def _motions(self) -> list[PointMotion]:
         """Scalars of the motions of all coupled faces."""
-        return [one for one in self.problem.body_scalars if isinstance(one, FaceMotion)]
+        return [one for one in self.problem.body_scalars if isinstance(one, PointMotion)]
 
     @property
     def _shortenings(self) -> list[Shortening]:

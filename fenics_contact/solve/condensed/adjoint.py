@@ -285,8 +285,8 @@ class Multipliers:
     @property
     def kept_scalars(self) -> Array:
         """Gradient in the values that the body's scalars are held at, 0 of others."""
-        corner = self._adjoint.body.scalars.corner
-        return corner.diagonal() * (self._last - self._of_body_scalars)
+        units = self._adjoint.body.scalars.units
+        return units * (self._last - self._of_body_scalars)
 
     @property
     def _of_body_scalars(self) -> Array:

@@ -66,7 +66,13 @@ class CondensedScalars:
         """
         columns = np.zeros((size, len(self.condensed)))
         columns[: kept.count] = kept.columns
-        return ScalarBorder(columns, self.corner - kept.corner, self.corner.diagonal())
+        return ScalarBorder(columns, self.corner - kept.corner, self.units)
+
+    @property
+    def units(self) -> Array:
+        """Entries of the rows of scalars that are held, on the diagonal (force/length)."""
+        diagonal = self.corner.diagonal()
+        return np.where(diagonal == 0, np.abs(self.corner).max(axis=1, initial=0.0), diagonal)
 
     def from_loads(self, load: Array, supported: Array) -> Array:
         """N₀, (scalars,) (force); collective.

@@ -112,6 +112,8 @@ class LocalErrors:
         self._loads = [
             (form_cache.form(load.acting.work(self._test)), load.path) for load in problem.loads
         ]
+        spread = [scalar.work_on(self._test) for scalar in problem.body_scalars]
+        self._by_scalars = [form_cache.form(one) for one in spread if one is not None]
 
     def solve(self, forces: BulkForces, time: float) -> None:
         """Find the errors of a solution, in whose state the problem is; collective."""
@@ -119,6 +121,8 @@ class LocalErrors:
         acting = self._problem.scene.path_time(time)
         for form, path in self._loads:
             right += path(acting) * self._assembled(form)
+        for form in self._by_scalars:
+            right += self._assembled(form)
         for foot, stretch, form in self._springs:
             moved = self._problem.displacement.x.array.reshape(foot.displacement.shape)
             stretch.x.array[:] = (foot.displacement - moved).reshape(-1)
