@@ -17,6 +17,7 @@ from fenics_contact.body.probe_points import DisplacementPoints
 from fenics_contact.body.supports import AppliedSupport, Supports
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.mesh.tagged_mesh import Body, Group
@@ -117,6 +118,8 @@ class Problem:
             )
             self.load_site = LoadSite(discrete, scene.material)
             self.loads = given_loads(scene.load, self.load_site)
+            for one in self.body_scalars:
+                one.take_loads([(load.acting.acceleration_at, load.path) for load in self.loads])
             self.feet = SpringFeet(self.elastic, scene, self.spaces)
             self.feet.require_agreement(self.supports, scene, self.spaces)
             if not by_points:
@@ -278,6 +281,15 @@ class Problem:
         """Whether there are springs besides the body."""
         return bool(self.feet or self.scene.spring)
 
+    def momentum_of_points(self, velocity: Array) -> Array:
+        """What masses at points of couplings add to M v of nodal velocities; collective.
+
+        Args:
+            velocity: v, (nodes, components).
+        """
+        every = [one.momentum(velocity) for one in self.body_scalars]
+        return np.asarray(sum((one for one in every if one is not None), np.zeros_like(velocity)))
+
     def forces_of_points(self, scalars: Sequence[ScalarState]) -> dict[int, Array]:
         """Forces of points on faces that they are coupled with and that stay elastic.
 
@@ -340,6 +352,20 @@ class Problem:
             if scalar.moved is not None:
                 found += value * scalar.moved
         return found
+
+    def on_moved(self, nodal: Array) -> Array:
+        """Work of nodal forces on a unit of each scalar by the nodes that it moves; collective.
+
+        Args:
+            nodal: (nodes, components) (force).
+
+        Returns:
+            (body_scalars,) (force).
+        """
+        own = slice(self.spaces.owned_nodes)
+        moved = [one.moved for one in self.body_scalars]
+        works = [0.0 if each is None else np.sum(each[own] * nodal[own]) for each in moved]
+        return np.asarray(total(self.comm, np.array(works, dtype=np.float64)))
 
     def scalar_states(self, displacement: Array) -> tuple[ScalarState, ...]:
         """States of the body's scalars in an answer, with its displacement; collective."""

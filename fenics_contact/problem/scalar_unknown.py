@@ -14,7 +14,7 @@ all of them in the same way.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -26,7 +26,7 @@ from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import Supports
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.results.records.contacts import ScalarRecord
@@ -202,6 +202,10 @@ class ContactScalar(ScalarUnknown):
         return f"{name} along ({', '.join(f'{round(x, 3) + 0.0:g}' for x in self.direction)})"
 
 
+# Force over mass of a load at a place that is coupled with nodes, None for none; and its path.
+MassLoad = tuple[Callable[[Array, AnyIntegers], Array | None], Callable[[float], float]]
+
+
 @dataclass(frozen=True)
 class ScalarState:
     """A scalar unknown of the body in an answer.
@@ -288,6 +292,21 @@ class BodyScalar(ScalarUnknown):
 
         Returns:
             Label of the coupling, and its nodal forces, (nodes, components) (force).
+        """
+        return None
+
+    def take_loads(self, loads: Sequence[MassLoad]) -> None:
+        """Take the loads that act on a mass at its point into account; collective.
+
+        Args:
+            loads: Those of the scene, with their paths.
+        """
+
+    def momentum(self, velocity: Array) -> Array | None:
+        """What a mass at its point adds to M v of nodal velocities; None for none; collective.
+
+        Args:
+            velocity: v, (nodes, components).
         """
         return None
 

@@ -125,11 +125,15 @@ class LinearisedBody:
         system, body = self._system, self._body
         load = body.stiffness.load(nodal, np.zeros_like(nodal), body.held)
         condensed = body.bulk.condense(load)
+        problem = system.problem
         on_scalars = body.scalars.from_loads(load, np.zeros_like(load))
+        on_scalars = on_scalars - problem.on_moved(nodal)
         at_contacts, scalars = system.change(condensed, on_scalars)
         for value, one in zip(scalars, body.scalars.loads, strict=True):
             load += value * one
-        return body.stiffness.at_nodes(body.bulk.expand(load, at_contacts))
+        found = body.stiffness.at_nodes(body.bulk.expand(load, at_contacts))
+        moved = problem.moved_by_scalars(scalars)
+        return found if moved is None else found + moved
 
 
 # Of eigenvalues: nearly round-off, as what modes leave is told from them by that.

@@ -140,11 +140,13 @@ def stuck_modes(system: CondensedSystem, body: CondensedBody, number: int) -> li
             "support"
         )
     mass, free = Mass(problem.scene.material, problem.spaces), problem.free
+    free.reshape(-1)[problem.coupled] = True  # these move with their points
     problem.stick_all()  # what carries pressure has the stiffness of contact, and of stick
     stuck = LinearisedBody(system, body)
 
     def times_mass(nodal: Array) -> Array:
-        return mass.times(nodal * free) * free
+        moved = nodal * free
+        return (mass.times(moved) + problem.momentum_of_points(moved)) * free
 
     count = int(total(problem.comm, float(free[: problem.spaces.owned_nodes].sum())))
     return Eigenmodes(problem.spaces, times_mass, stuck.solve).lowest(number, count)

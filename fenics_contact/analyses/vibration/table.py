@@ -96,8 +96,8 @@ def require(scene: _AskingForModes) -> None:
         raise ValueError("damping: say by [modes] how many modes are to be found")
     if scene.half_space is not None:
         raise ValueError("modes: a half-space has none; take a body of finite size")
-    if scene.coupling:
-        raise ValueError("modes: not beside a coupling yet, whose face they would hold")
+    if scene.coupling and damping is not None:
+        raise ValueError("damping: not beside a coupling yet, whose face its forces would not move")
     for number, material in enumerate(scene.material):
         if material.density is None:
             key = f"material[{number}]" if len(scene.material) > 1 else "material"

@@ -17,7 +17,7 @@ from fenics_contact.body.materials import MaterialPoints
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import SymmetryPlane
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.mesh.tagged_mesh import Group
@@ -184,6 +184,19 @@ class ActingLoad(ABC):
 
         Returns:
             (nodes, components) (force over density); None of a load that follows from no mass.
+        """
+        return None
+
+    def acceleration_at(self, place: Array, nodes: AnyIntegers) -> Array | None:
+        """Force over mass at a place that is coupled with a boundary; collective.
+
+        Args:
+            place: (components,) (length).
+            nodes: Of the boundary, on this rank.
+
+        Returns:
+            (components,) (length/time²); None of a load that follows from no mass, or acts on other
+            parts of the body.
         """
         return None
 

@@ -7,7 +7,7 @@ force between point and face, by which its mean motion is that of the point.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import ClassVar, cast
 
@@ -19,12 +19,13 @@ from fenics_contact.body.coupled_face import CoupledFace, MotionForces, PointFor
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import AnyIntegers, Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.scalar_unknown import (
     BodyScalar,
     KnownProblem,
+    MassLoad,
     ScalarState,
     ScalarUnknown,
 )
@@ -69,7 +70,8 @@ class PointMotion(BodyScalar):
         self._is_given = is_mirrored or way in scene.given
         self._amount = 0.0 if is_mirrored else face.amount(way, scene.given.get(way, 0.0))
         self._work = face.work(way, scene.acting.get(way, 0.0))
-        self._factor, self._besides = 0.0, 0.0
+        self._factor, self._besides, self._weight = 0.0, 0.0, 0.0
+        self._weights: list[tuple[float, Callable[[float], float]]] = []
 
     @property
     def name(self) -> str:
@@ -86,13 +88,13 @@ class PointMotion(BodyScalar):
 
     @property
     def force(self) -> float:
-        """Work of the coupling's force over q (force)."""
-        return self._work * self._factor + self._besides
+        """Work over q of the coupling's force and of the weight of its mass (force)."""
+        return self._work * self._factor + self._weight + self._besides
 
     @property
     def own_force(self) -> float:
-        """Force of the coupling on the scalar without loads on its face; 0 where q is given."""
-        return 0.0 if self._is_given else self._work * self._factor
+        """Force and weight at the point without loads on the face; 0 where q is given (force)."""
+        return 0.0 if self._is_given else self._work * self._factor + self._weight
 
     def force_factor(self, time: float) -> float:
         """The force on the scalar over the scene's force or moment; 0 where its motion is given."""
@@ -121,7 +123,33 @@ class PointMotion(BodyScalar):
     def set_time(self, time: float, more: float = 0.0) -> None:
         """Bring force and given motion to a pseudo-time."""
         self._factor = self._path(time)
+        self._weight = sum(force * path(time) for force, path in self._weights)
         self._besides = more * time
+
+    def take_loads(self, loads: Sequence[MassLoad]) -> None:
+        """Take the loads that act on the mass at the point into account; collective."""
+        self._weights = [
+            (force, path) for at, path in loads if (force := self.weight_of(at)) is not None
+        ]
+
+    def weight_of(self, load: Callable[[Array, AnyIntegers], Array | None]) -> float | None:
+        """Force of a load on the mass at the point along this way; None for none; collective.
+
+        Args:
+            load: Gives its force over mass at a place that is coupled with nodes.
+        """
+        kind, axis = self.way
+        if self.scene.mass is None or kind == "rotation":
+            return None
+        found = load(self._face.at, self._face.nodes)
+        return None if found is None else self.scene.mass * float(found[AXES.index(axis)])
+
+    def momentum(self, velocity: Array) -> Array | None:
+        """What the mass at the point adds to M v of nodal velocities; None for none; collective."""
+        if self.scene.mass is None or self.way[0] == "rotation":
+            return None
+        (along,) = self.ways_in(velocity[..., None])
+        return np.asarray(self.scene.mass * along * self._measured)
 
     def amount_of(self, value: float) -> float:
         """Displacement or rotation of a value of the scalar (length, radian)."""

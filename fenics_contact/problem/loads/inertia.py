@@ -11,7 +11,8 @@ import ufl
 from ufl.core.expr import Expr
 
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import AnyIntegers, Array
+from fenics_contact.common.parallel import total
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.loads.acting_load import LoadSite
 from fenics_contact.problem.loads.affine import AffineLoad, Moments
@@ -65,6 +66,13 @@ class InertiaLoad(AffineLoad):
     def measure(self) -> ufl.Measure:
         """Measure of the cells, exact for a density that varies as energies do."""
         return _measure(self.group, self.spaces)
+
+    def acceleration_at(self, place: Array, nodes: AnyIntegers) -> Array | None:
+        """Force over mass at a place that is coupled with a boundary of what it acts on."""
+        beyond = np.setdiff1d(nodes, self.spaces.nodes(self.group))
+        if total(self.spaces.comm, len(beyond)) > 0:
+            return None
+        return np.asarray(self.uniform + self.linear @ (place - self.moments.centroid))
 
     def nodal_by_density(self, number: int, site: LoadSite) -> Array:
         """Nodal forces of a density of 1 in one material (force over density)."""

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from fenics_contact.scene.quantity_names import require_name
-from fenics_contact.scene.units.dimensions import FORCE, LENGTH, MOMENT, PLACE, SPRING
+from fenics_contact.scene.units.dimensions import FORCE, LENGTH, MASS, MOMENT, PLACE, SPRING
 from fenics_contact.scene.values import (
     AXES,
     PER_AXIS,
@@ -85,6 +85,14 @@ class Coupling:
     ] = RAMP
     name: Annotated[
         Text | None, Field(description="name in the results, by default that of the boundary")
+    ] = None
+    mass: Annotated[
+        Annotated[Positive, MASS] | None,
+        Field(
+            description="at the point, without a moment of inertia, of the part that is modelled; "
+            "it counts in `[modes]`, and in loads by `acceleration` and `rotation` on a part of "
+            "the body that the boundary belongs to"
+        ),
     ] = None
 
     def __post_init__(self) -> None:

@@ -151,7 +151,13 @@ class SceneChanges:
         if unit is None:  # it acts beyond the body alone
             return Change()
         nodal = unit.acting.nodal_of_units(problem.discrete.found.setdefault("loads", {}))
-        return Change(load=unit.path(self.time) * nodal)
+        share = unit.path(self.time)
+        weights = {
+            problem.unknowns.index(one): share * weight
+            for one in self._motions
+            if (weight := one.weight_of(unit.acting.acceleration_at)) and not one.is_locked
+        }
+        return Change(load=share * nodal, scalars=weights)
 
     def _of_support(self, key: str, number: int, rest: list[str]) -> Change:
         problem, support = self.problem, self.problem.scene.support[number]

@@ -148,18 +148,8 @@ class CondensedAdjoint:
         found = self.body.bulk.expand(load, nothing)
         left = stiffness.share(body.displacement) - stiffness.matrix @ found
         on_scalars = self.body.scalars.from_loads(load, stiffness.at_unknowns(supported))
-        on_scalars = on_scalars - self._on_moved(body.displacement)
+        on_scalars = on_scalars - self.problem.on_moved(body.displacement)
         return _FreeBody(load, stiffness.whole(left), on_scalars)
-
-    def _on_moved(self, nodal: Array) -> Array:
-        """Gradient by the nodes that scalars of the body move, (body_scalars,); collective.
-
-        Args:
-            nodal: In the displacement, (nodes, components).
-        """
-        own, every = slice(self.problem.spaces.owned_nodes), self.problem.body_scalars
-        works = [0.0 if s.moved is None else np.sum(s.moved[own] * nodal[own]) for s in every]
-        return np.asarray(total(self.problem.comm, np.array(works, dtype=np.float64)))
 
     def _of_contact_dofs(self, free: _FreeBody | None) -> KeptLoad:
         """Gradient of a quantity of the body in the free contact dofs; collective."""
