@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
     from fenics_contact.scene.loading.support_axes import SupportAxes
     from fenics_contact.scene.loading.supports import FaceRotation, Support
+    from fenics_contact.scene.loading.temperatures import Temperature
     from fenics_contact.scene.obstacle import HalfSpace, Obstacle
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
@@ -142,6 +143,7 @@ __all__ = [
     "Study",
     "Support",
     "SupportAxes",
+    "Temperature",
     "Units",
     "UserContactEnergy",
     "UserFriction",
@@ -178,6 +180,7 @@ _MODULES = {
     "scene.loading.couplings": ("Coupling", "Spring"),
     "scene.loading.support_axes": ("SupportAxes",),
     "scene.loading.supports": ("FaceRotation", "Support"),
+    "scene.loading.temperatures": ("Temperature",),
     "scene.loading.inertia_kinds": ("Rotation",),
     "scene.settings": ("Accuracy", "SolverSettings", "Steps"),
     "scene.loading.cycles": ("Cycles",),

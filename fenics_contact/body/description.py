@@ -14,8 +14,9 @@ from typing import Literal
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.loading.couplings import GROUND, Spring, Way
 from fenics_contact.scene.loading.support_axes import SupportAxes
+from fenics_contact.scene.loading.temperatures import Temperature, expansions
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.values import Kinematics, Value
+from fenics_contact.scene.values import RAMP, Kinematics, Value
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,27 @@ class PreloadedGroup:
 
 
 @dataclass(frozen=True)
+class HeatedGroup:
+    """The cells of a material that have a temperature, and how they expand by it.
+
+    Attributes:
+        table: Number of the temperature in the scene.
+        on: Name of the group of cells, empty for the body.
+        material: Number of the material.
+        axes: Expansion along each axis over the largest; empty where the material has none.
+        field: Where it varies in space, the temperature as the scene gives it, without its path.
+        reference: At which such a field expands nothing (temperature).
+    """
+
+    table: int
+    on: str
+    material: int
+    axes: tuple[float, ...]
+    field: Temperature | None = None
+    reference: float = 0.0
+
+
+@dataclass(frozen=True)
 class CandidateContact:
     """A surface that may touch something.
 
@@ -133,6 +155,7 @@ class BodyDescription:
         springs: Of supports that give way, likewise.
         couplings: Boundaries that move with a point, likewise.
         joints: Springs between these, likewise.
+        heated: Cells that have a temperature, by temperature and material.
     """
 
     kinematics: Kinematics
@@ -148,6 +171,7 @@ class BodyDescription:
     springs: tuple[SpringGroup, ...] = ()
     couplings: tuple[CoupledGroup, ...] = ()
     joints: tuple[Joint, ...] = ()
+    heated: tuple[HeatedGroup, ...] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
@@ -183,6 +207,11 @@ class BodyDescription:
                 CoupledGroup(each.on, each.at, each.label, each.is_rigid) for each in scene.coupling
             ),
             joints=tuple(_joint(each, scene) for each in scene.spring),
+            heated=tuple(
+                _heated(scene, table, material)
+                for table in range(len(scene.temperature))
+                for material in range(len(scene.material))
+            ),
         )
 
     def differences(self, other: BodyDescription) -> Sequence[str]:
@@ -192,7 +221,20 @@ class BodyDescription:
 
 
 def _elastic(material: Material) -> Material:
-    return material if material.density is None else dataclasses.replace(material, density=None)
+    """A material without what is no part of a stiffness."""
+    return dataclasses.replace(
+        material, density=None, thermal_expansion=None, reference_temperature=0.0
+    )
+
+
+def _heated(scene: Scene, table: int, number: int) -> HeatedGroup:
+    given, material = scene.temperature[table], scene.material[number]
+    found = expansions(material)
+    axes = () if found is None else found[1]
+    if given.is_uniform:
+        return HeatedGroup(table, given.on, number, axes)
+    field = dataclasses.replace(given, on="", path=RAMP)
+    return HeatedGroup(table, given.on, number, axes, field, material.reference_temperature)
 
 
 def _joint(spring: Spring, scene: Scene) -> Joint:

@@ -40,6 +40,7 @@ from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.springs import springs_of
 from fenics_contact.body.supports import HeldDofs
+from fenics_contact.body.thermal.heated_part import HeatedPart
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
@@ -71,10 +72,12 @@ class ElasticBody:
         name: What is modelled, in words.
         displacement: The unknown, a dolfinx function.
         preloaded: Parts whose unstressed length is changed.
+        heated: Parts that expand by their temperature.
         faces: Boundaries that move with a point.
         spreads: How those of these take forces that stay elastic, None of rigid ones.
-        scalar_forces: What each scalar of the energy does to the body: such a change, then forces
-            between points and boundaries that stay elastic, then the ways in which points move.
+        scalar_forces: What each scalar of the energy does to the body: such a change or expansion,
+            then forces between points and boundaries that stay elastic, then the ways in which
+            points move.
         ties: Number of those forces.
         scalar_stiffness: Second derivatives of the energy in these, (scalars, scalars), with that
             of springs between faces, but not of stops.
@@ -117,7 +120,8 @@ class ElasticBody:
             stiffness += each.work(u, v)
         self.stiffness = form_cache.form(stiffness)
         self.preloaded = self._place_preloads(description)
-        self.scalar_forces = [self._forces_of(part) for part in self.preloaded]
+        self.heated = self._place_temperatures(description)
+        self.scalar_forces = [self._forces_of(part) for part in self._parts]
         self.faces = [
             CoupledFace(each, f"coupling[{number}]", spaces)
             for number, each in enumerate(description.couplings)
@@ -150,7 +154,7 @@ class ElasticBody:
                 continue
             of_ties, of_ways = point_forces(face, spread, self.reference_modulus, find.stresses)
             ties, ways = [*ties, *of_ties], [*ways, *of_ways]
-        first, own = len(self.preloaded) + len(ties), slice(spaces.owned_nodes)
+        first, own = len(self._parts) + len(ties), slice(spaces.owned_nodes)
         self.scalar_forces = [*self.scalar_forces, *ties, *ways]
         nodal = np.array([one.nodal[own] for one in self.scalar_forces])
         moved = np.array([one.moved[own] for one in ways])
@@ -161,13 +165,28 @@ class ElasticBody:
         self.scalar_stiffness[first:, :] = works.T
         for number, way in enumerate(ways):
             way.follow(self.scalar_forces[:first], works[:first, number])
-        for row, tie in enumerate(ties, len(self.preloaded)):
+        for row, tie in enumerate(ties, len(self._parts)):
             column = next(n for n, way in enumerate(ways, first) if way.present is tie.partner)
             self.scalar_stiffness[[row, column], [column, row]] = tie.tie
 
     def joined(self, joints: Sequence[Joint]) -> Joints:
         """Return springs between the faces, such as one of the body's joints alone."""
-        return Joints(joints, self.faces, len(self.preloaded) + self.ties)
+        return Joints(joints, self.faces, len(self._parts) + self.ties)
+
+    @property
+    def _parts(self) -> list[PreloadedPart | HeatedPart]:
+        """Parts with a strain that is free of stress."""
+        return [*self.preloaded, *self.heated]
+
+    @property
+    def has_free_strains(self) -> bool:
+        """Whether parts have a strain that is free of stress."""
+        return bool(self._parts)
+
+    @property
+    def of_points(self) -> list[ScalarForces]:
+        """What forces of points, and each way in which these move, do to the body."""
+        return self.scalar_forces[len(self._parts) :]
 
     def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:
         """The preloaded parts, which share no cells; collective."""
@@ -186,10 +205,31 @@ class ElasticBody:
             found.append(part)
         return found
 
-    def _forces_of(self, part: PreloadedPart) -> ScalarForces:
+    def _place_temperatures(self, description: BodyDescription) -> list[HeatedPart]:
+        """The parts that have a temperature, which share no cells; collective."""
+        spaces = self._spaces
+        found: list[HeatedPart] = []
+        for described in description.heated:
+            part = HeatedPart(described, description.material, spaces, self.law)
+            if not part.is_there:
+                continue
+            key = f"temperature[{described.table}]"
+            if not described.axes:
+                several = f"[{described.material}]" if len(description.material) > 1 else ""
+                raise InputError(f"material{several}.thermal_expansion is missing: {key} heats it")
+            for other in found:
+                if total(spaces.comm, len(np.intersect1d(part.cells, other.cells))) > 0:
+                    raise InputError(
+                        f"{key}.on = '{described.on}': shares cells with "
+                        f"temperature[{other.described.table}]"
+                    )
+            found.append(part)
+        return found
+
+    def _forces_of(self, part: PreloadedPart | HeatedPart) -> ScalarForces:
         """Slopes of the energy in a part, of the strain that is elastic."""
-        shortening = ufl.variable(part.shortening)
-        e = self.strain(self.displacement) - part.stressless_strain(shortening)
+        scalar = ufl.variable(part.scalar)
+        e = self.strain(self.displacement) - part.stressless_strain(scalar)
         if self.mixed is None:
             density = 0.5 * ufl.inner(self.law.stress(e), e)
             mean_stress = None
@@ -197,8 +237,8 @@ class ElasticBody:
             assert isinstance(self.law, Isotropic)
             mean_stress = self.mixed.mean_stress
             density = 0.5 * ufl.inner(self.law.deviatoric_stress(e), e) + mean_stress * ufl.tr(e)
-        energy = self._spaces.weight * density, part.measure, shortening
-        known = self._spaces, part.shortening
+        energy = self._spaces.weight * density, part.measure, scalar
+        known = self._spaces, part.scalar
         return ScalarForces.of(*known, energy, self.displacement, mean_stress)
 
     def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
@@ -228,7 +268,7 @@ class ElasticBody:
         To be taken for what the body is at, not for variations of that.
         """
         found = self.strain(displacement)
-        for part in self.preloaded:
+        for part in self._parts:
             found -= part.present_strain
         return found
 

@@ -193,7 +193,7 @@ class PreloadedPart:
         spaces: Those of the body.
         group: Its cells.
         length: Its extent along the axis (length).
-        shortening: q, a constant in UFL (length).
+        scalar: The shortening q, a constant in UFL (length).
 
     Args:
         described: As in the scene.
@@ -208,14 +208,12 @@ class PreloadedPart:
     def __init__(self, described: PreloadedGroup, key: str, spaces: Spaces, law: Law) -> None:
         body = spaces.body
         self.described, self.spaces = described, spaces
-        self.group = body.group(described.on, f"{key}.on")
-        if self.group.dimension != body.dimension:
-            raise InputError(f"{key}.on = '{described.on}': must be a part of the body, not a side")
+        self.group = body.part(described.on, f"{key}.on")
         axis = np.zeros(3)
         axis[: body.dimension] = described.axis
         axis /= np.linalg.norm(axis)
         self.length = PartEnds(self.group, axis, spaces, f"{key}.on = '{described.on}'").distance
-        self.shortening = fem.Constant(body.mesh, 0.0)
+        self.scalar = fem.Constant(body.mesh, 0.0)
         self._along = _unit_strain(axis, spaces, law)
         inside = fem.Function(fem.functionspace(body.mesh, ("DG", 0)))
         inside.x.array[body.entities(self.group)] = 1.0
@@ -227,14 +225,14 @@ class PreloadedPart:
         rule = {"quadrature_degree": self.spaces.bulk_degree}
         return self.spaces.part(self.group, rule)
 
-    def stressless_strain(self, shortening: Expr) -> Expr:
+    def stressless_strain(self, scalar: Expr) -> Expr:
         """−(q/l) a ⊗ a, (3, 3); in plane stress with what leaves that free across the plane."""
-        return -shortening / self.length * self._along
+        return -scalar / self.length * self._along
 
     @property
     def present_strain(self) -> Expr:
         """Present strain that is free of stress, anywhere in the body: 0 outside of the part."""
-        return self._inside * self.stressless_strain(self.shortening)
+        return self._inside * self.stressless_strain(self.scalar)
 
 
 def _unit_strain(axis: Array, spaces: Spaces, law: Law) -> Expr:

@@ -22,7 +22,7 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import measure_weight
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest, total
 from fenics_contact.mesh.tagged_mesh import Body, Group
@@ -116,11 +116,17 @@ class Spaces:
 
     def part(self, group: Group, metadata: Mapping[str, str | int] | None = None) -> ufl.Measure:
         """Measure of a group of cells."""
-        cells = self.body.entities(group)
+        return self.over_cells(self.body.entities(group), metadata)
+
+    def over_cells(
+        self, cells: AnyIntegers, metadata: Mapping[str, str | int] | None = None
+    ) -> ufl.Measure:
+        """Measure of cells, of which those that this rank owns count."""
         owned = cells[cells < self.body.mesh.topology.index_map(self.body.dimension).size_local]
-        return ufl.Measure(
-            "dx", domain=self.body.mesh, subdomain_data=[(1, owned)], metadata=metadata
-        )(1)
+        entities = [(1, owned.astype(np.int32))]
+        return ufl.Measure("dx", domain=self.body.mesh, subdomain_data=entities, metadata=metadata)(
+            1
+        )
 
     def boundary(
         self, group: Group, metadata: Mapping[str, str | int] | None = None

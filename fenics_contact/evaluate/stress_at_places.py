@@ -77,7 +77,7 @@ class StressAtPlaces:
         self._problem, self._stress = problem, NodalStress(problem)
         self._places = PlacesInBody(places, problem.spaces)
         self.inside = self._places.inside
-        self._material = _material_of_cells(problem)
+        self._material = material_of_cells(problem)
         spaces = problem.spaces
         nodes = spaces.displacement_space.dofmap.list
         needed = np.zeros((len(spaces.coordinates), 1))
@@ -101,7 +101,7 @@ class StressAtPlaces:
         return (summed[:, :9] / np.maximum(summed[:, 9:], 1.0)).reshape(-1, 3, 3)
 
 
-def _material_of_cells(problem: Problem) -> Integers:
+def material_of_cells(problem: Problem) -> Integers:
     """Number of the material of each cell of this rank, owned and ghost."""
     body = problem.body
     cells = body.mesh.topology.index_map(body.dimension)

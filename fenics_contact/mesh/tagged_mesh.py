@@ -253,6 +253,21 @@ class Body:
                 "moment; write discretisation.degree = 2, or make cells of order 1 (mesh.order = 1)"
             )
 
+    def part(self, name: str, key: str) -> Group:
+        """A group of cells, by name; collective.
+
+        Args:
+            name: Its name, or its number in words.
+            key: The scene's key that names it, for the message.
+
+        Raises:
+            InputError: As for ``group``; or it is one of facets.
+        """
+        group = self.group(name, key)
+        if group.dimension != self.dimension:
+            raise InputError(f"{key} = '{name}': must be a part of the body, not a side")
+        return group
+
     def entities(self, group: Group) -> NDArray[np.int32]:
         """Local indices (owned and ghost, sorted) of the cells or facets of a group.
 

@@ -15,6 +15,7 @@ from ufl.core.expr import Expr
 
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
 from fenics_contact.problem.loads.couplings import face_motions
+from fenics_contact.problem.loads.temperatures import thermal_strains
 from fenics_contact.problem.scalar_unknown import (
     BodyScalar,
     ContactScalar,
@@ -187,7 +188,7 @@ def shortenings(problem: KnownProblem) -> list[ScalarUnknown]:
 Kind = Callable[[KnownProblem], list[ScalarUnknown]]
 
 # Each returns the scalar unknowns of a kind of a problem whose contacts and far field are known.
-_KINDS: list[Kind] = [indentations, resultants, shortenings, face_motions]
+_KINDS: list[Kind] = [indentations, resultants, shortenings, thermal_strains, face_motions]
 
 
 def register(kind: Kind) -> None:

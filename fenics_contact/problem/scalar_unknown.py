@@ -150,6 +150,11 @@ class ScalarUnknown(ABC):
         return False
 
     @property
+    def keeps_last(self) -> bool:
+        """Whether it keeps the value that the last load step ended with."""
+        return self.is_locked
+
+    @property
     def held(self) -> float | None:
         """The value that it is held at; None where its equation finds it."""
         return None
@@ -283,6 +288,11 @@ class BodyScalar(ScalarUnknown):
     def moved(self) -> Array | None:
         """Displacement of a unit of it, (nodes, components); None where it moves no node."""
         return None
+
+    @property
+    def brings(self) -> float:
+        """How far it may bring nodes at present, where its value is held (length)."""
+        return abs(self.held) if self.moved is not None and self.held else 0.0
 
     def on_face(self, value: float) -> tuple[str, Array] | None:
         """Forces of a point on the face that it is coupled with; None for none.

@@ -311,6 +311,18 @@ ROWS = (
         "mean of both. It has no error bar",
     ),
     Quantity(
+        f"{names.TEMPERATURE_OF_POINTS}NAME",
+        "temperature",
+        "at each `[[point]]`, where the scene has temperatures, as it gives them",
+        has_true_value=False,
+    ),
+    Quantity(
+        names.MAX_TEMPERATURE,
+        "temperature",
+        "the highest of all nodes, where the scene has temperatures",
+        has_true_value=False,
+    ),
+    Quantity(
         names.CONTACT_MOMENT,
         "force·length",
         "in space: moment of pressure and friction together on the body of `on`, a vector, about "

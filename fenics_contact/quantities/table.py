@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fenics_contact.quantities.names import OF_POINTS, REACTION, REACTION_MOMENT, STRESS_OF_POINTS
+from fenics_contact.quantities.names import (
+    OF_POINTS,
+    REACTION,
+    REACTION_MOMENT,
+    STRESS_OF_POINTS,
+    TEMPERATURE_OF_POINTS,
+)
 from fenics_contact.quantities.quantity import Edge, Quantity, Together
 from fenics_contact.quantities.rows import ROWS
 
@@ -16,7 +22,9 @@ OF_SUPPORTS = (REACTION, REACTION_MOMENT)
 #: What quantities of preloads measure.
 MEASURED_BY_PRELOADS = {"force": "force", "elongation": "length"}
 # The rows of what each point has.
-_OF_POINTS = {begin: f"{begin}NAME" for begin in (OF_POINTS, STRESS_OF_POINTS)}
+_OF_POINTS = {
+    begin: f"{begin}NAME" for begin in (OF_POINTS, STRESS_OF_POINTS, TEMPERATURE_OF_POINTS)
+}
 _POINT = _OF_POINTS[OF_POINTS]
 
 _TABLE = {row.name: row for row in ROWS}

@@ -9,7 +9,14 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from fenics_contact.scene.units.dimensions import DENSITY, LENGTH, LENGTH_OR_NUMBER, STRESS
+from fenics_contact.scene.units.dimensions import (
+    DENSITY,
+    EXPANSION,
+    LENGTH,
+    LENGTH_OR_NUMBER,
+    STRESS,
+    TEMPERATURE,
+)
 from fenics_contact.scene.units.materials import MATERIALS, names
 from fenics_contact.scene.values import (
     VOIGT,
@@ -143,6 +150,9 @@ Stiffness = Annotated[
 ]
 
 
+_Expansions = Annotated[tuple[Annotated[Number, EXPANSION], ...], _Three]
+
+
 @scene_class
 class Material:
     """Linear elasticity (paper, (1.1)): isotropic, or any elastic tensor E_ijkl.
@@ -196,6 +206,18 @@ class Material:
         ),
     ] = None
 
+    thermal_expansion: Annotated[
+        Annotated[Number, EXPANSION] | _Expansions | None,
+        EXPANSION,
+        Field(
+            description="α, strain over temperature: a number, or three, one an axis of the mesh "
+            "(in axisymmetric models radial, axial, around); needed where there are temperatures"
+        ),
+    ] = None
+    reference_temperature: Annotated[
+        Number, TEMPERATURE, Field(description="at which it has the size that is meshed")
+    ] = 0.0
+
     def __post_init__(self) -> None:
         isotropic = (self.youngs_modulus, self.poissons_ratio)
         if self.stiffness is None and self.name is None:
@@ -218,7 +240,10 @@ class Material:
         if self.name is None:
             return {}
         known = MATERIALS[self.name]
-        values: dict[str, Any] = {"density": f"{known.density:g} kg/m³"}
+        values: dict[str, Any] = {
+            "density": f"{known.density:g} kg/m³",
+            "thermal_expansion": f"{known.thermal_expansion:g}e-6 1/K",
+        }
         if self.stiffness is None:
             values["youngs_modulus"] = f"{known.youngs_modulus:g} GPa"
             values["poissons_ratio"] = known.poissons_ratio
@@ -238,6 +263,8 @@ def with_values_by_name(materials: tuple[Material, ...], has_units: bool) -> tup
     found = []
     for number, material in enumerate(materials):
         values = material.by_name
+        if set(values) == {"thermal_expansion"} and not has_units:
+            values = {}
         if values and not has_units:
             key = f"material[{number}]" if len(materials) > 1 else "material"
             raise ValueError(

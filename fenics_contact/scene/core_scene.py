@@ -10,6 +10,7 @@ from fenics_contact.scene.loading.conditions import Load, Point, Preload
 from fenics_contact.scene.loading.couplings import Coupling, Spring
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.loading.supports import Support
+from fenics_contact.scene.loading.temperatures import Temperature
 from fenics_contact.scene.obstacle import HalfSpace
 from fenics_contact.scene.quantity_names import QuantityNames
 from fenics_contact.scene.settings import Accuracy, SolverSettings, Steps
@@ -52,6 +53,7 @@ class CoreScene(HasUnits):
     steps: Steps
     cycles: LoadCycles | None
     motion: Motion | None
+    temperature: tuple[Temperature, ...]
     solver: SolverSettings
 
     def path_time(self, time: float) -> float:

@@ -108,8 +108,9 @@ def _require_model(scene: CoreScene) -> None:
     _require_centres(scene)
     for number, load in enumerate(scene.load):
         load.require_model(scene.kinematics, f"load[{number}]")
-    if scene.half_space is not None and (scene.load or scene.preload):
-        what = "load" if scene.load else "preload"
+    besides = [key for key in ("load", "preload", "temperature") if getattr(scene, key)]
+    if scene.half_space is not None and besides:
+        what = besides[0]
         raise ValueError(f"half_space: only the contacts' forces reach it, so leave out {what}")
     springs = _springs(scene)
     if scene.half_space is not None and springs:
@@ -265,6 +266,7 @@ def _require_motion(scene: CoreScene) -> None:
         **dict.fromkeys(registry.tables_not_with(scene, "motion"), True),
         "solver.branches": scene.solver.branches,
         "solver.stabilisation": scene.solver.stabilisation,
+        "temperature": bool(scene.temperature),
         **dict.fromkeys(_springs(scene), True),
     }
     for key, is_there in others.items():

@@ -30,6 +30,7 @@ from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.load_paths import load_steps_of
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.loading.supports import Support
+from fenics_contact.scene.loading.temperatures import Temperature
 from fenics_contact.scene.obstacle import HalfSpace
 from fenics_contact.scene.settings import Accuracy, Share, as_accuracy
 from fenics_contact.scene.settings import SolverSettings as SolverSettings
@@ -227,6 +228,10 @@ class Scene(CoreScene):
             'with them; values may then also be texts with a unit, such as `"210 GPa"`'
         ),
     ] = None
+    temperature: Annotated[
+        tuple[Temperature, ...],
+        Field(description=f"temperatures of bodies, up to {_MOST}", max_length=_MOST),
+    ] = ()
 
     def use_units(self) -> None:
         """Put numbers where there are texts with a unit, and values of materials by name."""
@@ -241,11 +246,12 @@ class Scene(CoreScene):
 
     @property
     def files(self) -> list[str]:
-        """Paths of the files that it names, those of meshes before those of obstacles."""
+        """Paths of the files that it names, of meshes, then of obstacles and of temperatures."""
         obstacles = (contact.obstacle for contact in self.contact)
         return [
             *(mesh.file for mesh in self.mesh),
             *(one.file for one in obstacles if one is not None and one.file is not None),
+            *(one.file for one in self.temperature if one.file is not None),
         ]
 
     def with_files(self, path_of: Callable[[str], str]) -> Scene:
@@ -263,7 +269,11 @@ class Scene(CoreScene):
             )
             for contact in self.contact
         )
-        return replace(self, mesh=meshes, contact=contacts)
+        temperatures = tuple(
+            one if one.file is None else replace(one, file=path_of(one.file))
+            for one in self.temperature
+        )
+        return replace(self, mesh=meshes, contact=contacts, temperature=temperatures)
 
     @property
     def unit_names(self) -> UnitNames | None:

@@ -15,6 +15,7 @@ from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.momentum_balance import MomentumBalance, MovingForces
 from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
 from fenics_contact.evaluate.stress_at_places import stress_at_points
+from fenics_contact.evaluate.temperatures import ModelTemperatures
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import SLIP_SHARE
@@ -253,7 +254,13 @@ class StepHistory(Generic[_Forces]):
                 for number in range(len(self._problem.contacts))
             ]
             found = global_quantities(self.forces, self.by_contact)
-            return found | stress_at_points(self._problem, solution)
+            found |= stress_at_points(self._problem, solution)
+            return found if self._temperatures is None else found | self._temperatures.quantities()
+
+    @cached_property
+    def _temperatures(self) -> ModelTemperatures | None:
+        """Temperatures of the model, where the scene gives such; collective when first asked."""
+        return ModelTemperatures(self._problem) if self._problem.scene.temperature else None
 
     def _of_contact(self, solution: Solution, number: int) -> dict[str, Any]:
         """Quantities of a contact, by its number in scene order; collective."""

@@ -25,6 +25,7 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, PRESSURE_INTEGRAL, STRAIN_ENERGY
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.load_kinds import times
 from fenics_contact.scene.scene import Scene
@@ -222,7 +223,7 @@ class Means:
 
 
 def driven(scene: Scene, factor: float) -> Scene:
-    """The scene with loads, given displacements, pressures, obstacles and preloads times a factor.
+    """The scene with all that is done to it times a factor: loads, motions, preloads, expansions.
 
     Args:
         scene: A scene.
@@ -236,8 +237,16 @@ def driven(scene: Scene, factor: float) -> Scene:
         support=tuple(supports),
         load=tuple(loads),
         preload=tuple(preloads),
+        material=tuple(_material(one, factor) for one in scene.material),
         contact=tuple(_contact(one, factor) for one in scene.contact),
     )
+
+
+def _material(material: Material, factor: float) -> Material:
+    """With its thermal expansion times a factor, as thermal strains then are."""
+    if material.thermal_expansion is None:
+        return material
+    return replace(material, thermal_expansion=times(material.thermal_expansion, factor))
 
 
 def _contact(contact: Contact, factor: float) -> Contact:

@@ -21,12 +21,15 @@ class StressLineRecord(Record):
         places: The points in the undeformed body, [x, y, z] each (length).
         stress: Component → its value at each point, null outside the body (stress). It is the mean
             over the cells of one material around each node, interpolated between the nodes.
+        temperature: At each point, null outside the body (temperature); null where the scene has no
+            temperatures.
     """
 
     name: str
     distances: list[float]
     places: list[list[float]]
     stress: Mapping[str, list[float | None]]
+    temperature: list[float | None] | None = None
 
     @property
     def is_inside(self) -> list[bool]:
@@ -44,7 +47,11 @@ class StressLineRecord(Record):
 
 
 def line_record(
-    name: str, places: Array, inside: Flags, stress: Mapping[str, Array]
+    name: str,
+    places: Array,
+    inside: Flags,
+    stress: Mapping[str, Array],
+    temperature: Array | None = None,
 ) -> StressLineRecord:
     """The record of a line.
 
@@ -53,14 +60,19 @@ def line_record(
         places: Its points, (points, 3) (length).
         inside: Whether each is in the body, (points,).
         stress: By component, (points,) each (stress).
+        temperature: (points,) (temperature); None without any.
     """
-    values = {
-        component: [
-            float(value) if is_in else None for value, is_in in zip(row, inside, strict=True)
-        ]
-        for component, row in stress.items()
-    }
+    values = {component: _where_inside(row, inside) for component, row in stress.items()}
     distances = np.linalg.norm(places - places[0], axis=1)
     return StressLineRecord(
-        name=name, distances=distances.tolist(), places=places.tolist(), stress=values
+        name=name,
+        distances=distances.tolist(),
+        places=places.tolist(),
+        stress=values,
+        temperature=None if temperature is None else _where_inside(temperature, inside),
     )
+
+
+def _where_inside(values: Array, inside: Flags) -> list[float | None]:
+    """Values of points, None outside the body."""
+    return [float(value) if is_in else None for value, is_in in zip(values, inside, strict=True)]

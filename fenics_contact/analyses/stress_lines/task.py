@@ -12,6 +12,7 @@ from fenics_contact.analyses.stress_lines.words import words_on_outside
 from fenics_contact.common.arrays import Array, Flags, in_3d
 from fenics_contact.common.errors import InputError
 from fenics_contact.evaluate.stress_at_places import COMPONENTS, StressAtPlaces, components_of
+from fenics_contact.evaluate.temperatures import TemperaturesInBody
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.analysis_tasks import AnalysisFinding, AnalysisTask
 from fenics_contact.solve.systems.solution import Solution
@@ -30,7 +31,10 @@ class StressLinesTask(AnalysisTask):
         self._places, self._problem = places, problem
         self._solution: Solution | None = None
         self._found: tuple[Solution, AnalysisFinding] | None = None
-        self._stress = StressAtPlaces(problem, np.concatenate(places))
+        every = np.concatenate(places)
+        self._stress = StressAtPlaces(problem, every)
+        given = problem.scene.temperature
+        self._temperatures = TemperaturesInBody(problem, every) if given else None
         for number, inside in enumerate(self._of_lines(self._stress.inside)):
             if not inside.any():
                 line = self.scene.line[number]
@@ -55,10 +59,13 @@ class StressLinesTask(AnalysisTask):
     def _finding(self) -> AnalysisFinding:
         stresses = self._of_lines(self._stress.values())
         insides = self._of_lines(self._stress.inside)
+        heat: list[Array | None] = [None] * len(insides)
+        if self._temperatures is not None:
+            heat = [*self._of_lines(self._temperatures.values())]
         lines = [
-            line_record(line.name, places, inside, self._by_name(stress))
-            for line, places, inside, stress in zip(
-                self.scene.line, self._places, insides, stresses, strict=True
+            line_record(line.name, places, inside, self._by_name(stress), temperature)
+            for line, places, inside, stress, temperature in zip(
+                self.scene.line, self._places, insides, stresses, heat, strict=True
             )
         ]
         return AnalysisFinding({"lines": lines}, words=words_on_outside(lines))

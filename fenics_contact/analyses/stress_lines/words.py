@@ -64,7 +64,8 @@ def file_rows(lines: Sequence[StressLineRecord]) -> Rows:
             values = [
                 line.stress[name][point] if name in line.stress else None for name in _COMPONENTS
             ]
-            numbers = [distance, *place, *values, None]
+            heat = None if line.temperature is None else line.temperature[point]
+            numbers = [distance, *place, *values, heat]
             rows.append([line.name, *("" if n is None else f"{n:.8g}" for n in numbers)])
     return rows
 

@@ -63,13 +63,7 @@ def read_vtu(job: dict[str, Any]) -> FoundMesh:
         job: With ``file``, its path; and ``key`` and ``name``, of the scene's mesh.
     """
     where = f"{job['key']}.file = '{job['name']}'"
-    found = _Scan(where)
-    found.read(Path(job["file"]))
-    if found.counts["Piece"] > 1:  # meshio keeps the cells of the last one
-        raise RefusedError(f"{where}: has {found.counts['Piece']} pieces; save it as one")
-    from meshio.vtu import read
-
-    return _found(where, read(job["file"]))
+    return _found(where, mesh_of_vtu(where, Path(job["file"])))
 
 
 def read_xdmf(job: dict[str, Any]) -> FoundMesh:
@@ -79,7 +73,31 @@ def read_xdmf(job: dict[str, Any]) -> FoundMesh:
         job: With ``file``, its path; and ``key`` and ``name``, of the scene's mesh.
     """
     where = f"{job['key']}.file = '{job['name']}'"
-    path = Path(job["file"]).resolve()  # meshio looks beside the file itself
+    return _found(where, mesh_of_xdmf(where, Path(job["file"])))
+
+
+def mesh_of_vtu(where: str, path: Path) -> Any:
+    """What meshio finds in a ``.vtu`` file, once it is known to be sound.
+
+    Args:
+        where: What begins a message.
+        path: Of the file.
+
+    Raises:
+        RefusedError: It is not.
+    """
+    found = _Scan(where)
+    found.read(path)
+    if found.counts["Piece"] > 1:  # meshio keeps the cells of the last one
+        raise RefusedError(f"{where}: has {found.counts['Piece']} pieces; save it as one")
+    from meshio.vtu import read
+
+    return read(path)
+
+
+def mesh_of_xdmf(where: str, path: Path) -> Any:
+    """What meshio finds in an ``.xdmf`` file; as ``mesh_of_vtu``."""
+    path = path.resolve()  # meshio looks beside the file itself
     found = _Scan(where)
     found.read(path)
     if found.counts["Grid"] != 1:
@@ -90,7 +108,7 @@ def read_xdmf(job: dict[str, Any]) -> FoundMesh:
         _require_inside(where, path.parent, name)
     from meshio.xdmf import read
 
-    return _found(where, read(str(path)))
+    return read(str(path))
 
 
 def _require_inside(where: str, folder: Path, name: str) -> None:

@@ -111,6 +111,11 @@ class PointMotion(BodyScalar):
         return self._is_given
 
     @property
+    def keeps_last(self) -> bool:
+        """Whether it keeps the value of the last load step: no, the scene gives each."""
+        return False
+
+    @property
     def held(self) -> float | None:
         """The motion that is given at present; None where its equation finds it (length)."""
         return self._amount * self._factor if self._is_given else self._kept_at
@@ -345,7 +350,7 @@ def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
         InputError: A motion is given that symmetry does not allow.
     """
     elastic, forces_found, found = problem.elastic, list[ScalarUnknown](), list[ScalarUnknown]()
-    every = iter(elastic.scalar_forces[len(elastic.preloaded) :])
+    every = iter(elastic.of_points)
     ties = [next(every) for _ in range(elastic.ties)]
     held, spread_forces = problem.supports.held, iter(cast(list[PointForces], ties))
     rows = zip(problem.scene.coupling, elastic.faces, elastic.spreads, strict=True)

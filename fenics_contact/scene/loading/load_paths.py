@@ -69,6 +69,8 @@ def keyed_paths(scene: CoreScene) -> Iterator[KeyedPath]:
     for number, coupling in enumerate(scene.coupling):
         acts = any(coupling.given.values()) or any(coupling.acting.values())
         yield KeyedPath(coupling.path, f"coupling[{number}].path", acts)
+    for number, temperature in enumerate(scene.temperature):
+        yield KeyedPath(temperature.path, f"temperature[{number}].path")
     for number, contact in enumerate(scene.contact):
         key = f"contact[{number}]"
         yield KeyedPath(contact.pressure_path, f"{key}.pressure_path")

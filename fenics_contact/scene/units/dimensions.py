@@ -27,6 +27,7 @@ class UnitNames:
         stress: Such as ``MPa``.
         energy: Such as ``mJ``.
         per_unit_thickness: Whether forces, areas and energies of the model are per length.
+        temperature: ``K`` or ``°C``.
 
     >>> names = UnitNames("mm", "N", "MPa", "mJ")
     >>> names.of("force"), names.of("area"), names.of("length/stress"), names.of("")
@@ -40,6 +41,7 @@ class UnitNames:
     stress: str
     energy: str
     per_unit_thickness: bool = False
+    temperature: str = "K"
 
     def of(self, words: str) -> str:
         """The unit of what is measured.
@@ -63,6 +65,7 @@ class UnitNames:
         named = {"length": self.length, "force": self.force}
         named |= {"stress": self.stress, "energy": self.energy, "": "", "1": "1"}
         named |= {"time": "s", "time²": "s²", "impulse": f"{self.force}·s"}
+        named |= {"temperature": self.temperature}
         named |= {"force·length": f"{self.force}·{self.length}"}
         name = named[over] if over in named else self.length + power[over]
         if not slash:
@@ -77,14 +80,16 @@ _PER_THICKNESS = {"area": "length", "volume": "area"}
 
 
 #: Of a number and a unit, in the schema of scenes and wherever such a text is told from others.
-QUANTITY = r"^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*[^0-9\s.,;:'_+\-].*$"
+QUANTITY = (
+    r"^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*(1\s*/\s*)?[^0-9\s.,;:'_+\-].*$"
+)
 # What a text with a unit may have at the most.
 _LONGEST = 60
 
 
 @dataclass(frozen=True)
 class Dimension:
-    """Dimension of a number, as powers of length, force and time.
+    """Dimension of a number, as powers of length, force, time and temperature.
 
     The unit of time is the second.
 
@@ -99,6 +104,7 @@ class Dimension:
         is_resultant: Whether models of unit thickness have it per length.
         is_said: Whether descriptions say it.
         is_place: Whether it is a coordinate, which says nothing of how far it may be moved.
+        temperature: Power of temperature.
     """
 
     words: str
@@ -108,6 +114,12 @@ class Dimension:
     is_resultant: bool = False
     is_said: bool = True
     is_place: bool = False
+    temperature: float = 0.0
+
+    @property
+    def powers(self) -> tuple[float, float, float, float]:
+        """Powers of length, force, time and temperature."""
+        return self.length, self.force, self.time, self.temperature
 
     def of(self, table: Any, outer: Dimension | None) -> Dimension | None:
         """Return the dimension in a table of a scene, where it depends on other keys.
@@ -179,6 +191,8 @@ DENSITY = Dimension("mass/volume", -4, 1, 2)
 MASS = Dimension("mass", -1, 1, 2, is_resultant=True)
 TIME = Dimension("time", 0, 0, 1)
 RATE = Dimension("1/time", 0, 0, -1)
+TEMPERATURE = Dimension("temperature", 0, temperature=1)
+EXPANSION = Dimension("1/temperature", 0, temperature=-1)
 VELOCITY = Dimension("length/time", 1, 0, -1)
 COMPLIANCE = Dimension("length/stress", 3, -1)
 PER_STRESS = Dimension("1/stress", 2, -1)

@@ -13,7 +13,7 @@ import re
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from functools import cache
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 from pydantic.fields import FieldInfo
@@ -21,7 +21,13 @@ from pydantic.fields import FieldInfo
 from fenics_contact.common.errors import SceneError
 from fenics_contact.scene.given_keys import key_of
 from fenics_contact.scene.messages import written
-from fenics_contact.scene.units.dimensions import Dimension, UnitNames, WithUnit, dimension_of
+from fenics_contact.scene.units.dimensions import (
+    TEMPERATURE,
+    Dimension,
+    UnitNames,
+    WithUnit,
+    dimension_of,
+)
 from fenics_contact.scene.values import PLAIN, Text, scene_class
 
 # The usual names that a unit of stress or energy may have.
@@ -32,9 +38,11 @@ _USUAL = {
 _SAME = Decimal("1e-12")
 _LONGEST = 60
 _NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?"
-_NAME = "[A-Za-zµμÅ]+(?:_[A-Za-z]+)*"
+_NAME = "(?:°C|[A-Za-zµμÅ]+(?:_[A-Za-z]+)*)"
 _WORD = rf"{_NAME}(?:(?:\^|\*\*)?-?[0-9](?:\.[0-9]{{1,3}})?|⁻?[¹²³⁴⁵⁶⁷⁸⁹])?"
-_UNIT = rf"{_WORD}(?:(?:\s*[*/·⋅]\s*|\s+){_WORD}){{0,5}}"
+_UNIT = rf"(?:1?\s*/\s*)?{_WORD}(?:(?:\s*[*/·⋅]\s*|\s+){_WORD}){{0,5}}"
+# Of temperatures only differences count, so that a degree Celsius is a kelvin.
+_DEGREES = r"°C|\bdegC\b"
 _ORDINARY = str.maketrans("¹²³⁴⁵⁶⁷⁸⁹⁻·⋅μ", "123456789-**µ")
 
 
@@ -67,7 +75,7 @@ def factor(unit: str, length: str, force: str, powers: tuple[float, ...]) -> Dec
         unit: Such as ``GPa``.
         length: Unit of length, such as ``mm``.
         force: Unit of force, such as ``N``.
-        powers: Of length and force, and of seconds if any.
+        powers: Of length and force, and of second and kelvin if any.
 
     Returns:
         Of ``length`` to the one power times ``force`` to the other, how many it is.
@@ -110,7 +118,7 @@ def derived(length: str, force: str, powers: tuple[int, int]) -> str:
 
 
 def _product(length: str, force: str, powers: tuple[float, ...]) -> Any:
-    units = (length, force, "s")[: len(powers)]
+    units = (length, force, "s", "K")[: len(powers)]
     parts = [
         _parsed(unit).units ** Decimal(str(power))
         for unit, power in zip(units, powers, strict=True)
@@ -130,10 +138,15 @@ def _parsed(unit: str) -> Any:
     registry = _registry()
     plain = re.sub(r"([A-Za-zµÅ])(-?[0-9])", r"\1**\2", unit.translate(_ORDINARY))
     try:
-        found = registry.parse_units(plain)
-        return registry.Quantity(Decimal(1), found)
+        plain = re.sub(_DEGREES, "delta_degC", plain)
+        found = registry.parse_units(f"1{plain}" if plain.lstrip().startswith("/") else plain)
+        zero = registry.Quantity(Decimal(0), found).to_base_units().magnitude
+        one = registry.Quantity(Decimal(1), found)
     except (_pint().errors.PintError, AttributeError, ValueError, TypeError):
         raise UnknownUnitError(f"'{unit}' is no unit that is known") from None
+    if zero != 0:
+        raise UnknownUnitError(f"'{unit}' has a zero of its own; accepted are K and °C")
+    return one
 
 
 @cache
@@ -163,7 +176,7 @@ class Units:
     """Units of all numbers of a scene and of its results.
 
     >>> Units("mm", "N").names()
-    UnitNames(length='mm', force='N', stress='MPa', energy='mJ', per_unit_thickness=False)
+    UnitNames(length='mm', force='N', stress='MPa', energy='mJ', per_unit_thickness=False, temperature='K')
     >>> Units("mm", "kg")
     Traceback (most recent call last):
     fenics_contact.common.errors.SceneError: Units: force = 'kg': must be a unit of force, such as 'N'
@@ -173,9 +186,12 @@ class Units:
         Text, Field(description="of lengths, such as `mm`, `m` or `in`; also of the mesh's file")
     ]
     force: Annotated[Text, Field(description="of forces, such as `N`, `kN` or `lbf`")]
+    temperature: Annotated[
+        Literal["K", "°C"],
+        Field(description="of temperatures, of which only differences count: `K` or `°C`"),
+    ] = "K"
 
     def __post_init__(self) -> None:
-
         for key, example, powers in (("length", "mm", (1, 0)), ("force", "N", (0, 1))):
             try:
                 factor(getattr(self, key), "m", "N", powers)
@@ -183,6 +199,21 @@ class Units:
                 raise ValueError(
                     f"{key} = {getattr(self, key)!r}: must be a unit of {key}, such as '{example}'"
                 ) from None
+
+    def require_scale(self, unit: str) -> None:
+        """Refuse a temperature on the other scale, whose zero is another one.
+
+        Args:
+            unit: Of the temperature.
+
+        Raises:
+            UnknownUnitError: It is in K where temperatures are in °C, or the other way round.
+        """
+        other = {"K": "°C", "°C": "K"}[self.temperature]
+        if symbol(unit) in (other, f"Δ{other}"):
+            raise UnknownUnitError(
+                f"temperatures of the scene are in {self.temperature}, by units.temperature"
+            )
 
     def names(self, per_unit_thickness: bool = False) -> UnitNames:
         """Return the names of these units and of those that follow from them.
@@ -192,7 +223,7 @@ class Units:
         """
         length, force = symbol(self.length), symbol(self.force)
         stress, energy = (derived(length, force, powers) for powers in ((-2, 1), (1, 1)))
-        return UnitNames(length, force, stress, energy, per_unit_thickness)
+        return UnitNames(length, force, stress, energy, per_unit_thickness, self.temperature)
 
 
 def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> None:
@@ -317,9 +348,12 @@ class _Conversion:
                 'length = "mm" and force = "N"; without them write a number'
             )
         per_length = self.per_unit_thickness and dimension.is_resultant
-        powers = (dimension.length - per_length, dimension.force, dimension.time)
+        length, *others = dimension.powers
+        powers = (length - per_length, *others)
         try:
             number, unit = parts_of(text)
+            if dimension.powers == TEMPERATURE.powers:
+                self.units.require_scale(unit)
             value = float(number * factor(unit, self.units.length, self.units.force, powers))
         except UnknownUnitError as error:
             name = self.units.names(self.per_unit_thickness).of(dimension.words)

@@ -23,6 +23,7 @@ from fenics_contact.contact.state import OPEN, STICK
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.stress_at_places import NodalStress
+from fenics_contact.evaluate.temperatures import NodalTemperatures
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.contact_points import BODY_OF_CELLS, facet_flags
 from fenics_contact.solve.systems.solution import Solution
@@ -166,10 +167,10 @@ _MOST_STEPS, _MOST_BYTES, _BYTES_OF_A_NODE = 200, 2e9, 350
 class FieldSeries:
     """``fields.pvd``, a time series of fields.
 
-    Point data: displacement, stress (3 × 3), contact_pressure, friction_traction, status
-    (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP), slip and gap (not a number where nothing stands
-    opposite), what laws keep of their own (these, as pressure and traction, 0 off the contacts)
-    and, where a contact is not prescribed, reaction_pressure, which knows nothing of the penalty.
+    Point data: displacement, stress (3 × 3), temperature where the scene gives such,
+    contact_pressure, friction_traction, status (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP),
+    slip and gap (not a number where nothing stands opposite), what laws keep of their own (these,
+    as pressure and traction, 0 off the contacts) and, where a contact is not prescribed, reaction_pressure, which knows nothing of the penalty.
     Cell data: body, the number of the connected part, in the order of `model.bodies`; and of each
     contact the facets that carry it, see ``facet_flags``.
 
@@ -192,6 +193,8 @@ class FieldSeries:
         self.last = max(self._grids.values(), default=None)
         self._stress = NodalStress(problem)
         self._cells = _cell_fields(problem)
+        given = problem.scene.temperature
+        self._temperatures = NodalTemperatures(problem) if given else None
         nodes = problem.spaces.displacement_space.dofmap.index_map.size_global
         self.most = int(np.clip(_MOST_BYTES // (_BYTES_OF_A_NODE * nodes), 2, _MOST_STEPS))
 
@@ -210,6 +213,8 @@ class FieldSeries:
             **_contact_fields(problem, solution),
             **_reaction_pressure(forces),
         }
+        if self._temperatures is not None:
+            fields["temperature"] = self._temperatures.values()
         folder, space = self._path.parent, problem.spaces.displacement_space
         name = write_grid(folder, self._path.stem, number, space, fields, self._cells)
         self._grids[name] = time

@@ -132,6 +132,8 @@ class QuantityGradient:
             found += itself
             scalars = self.multipliers.scalars
             found += sum(float(scalars[place] * by) for place, by in change.scalars.items())
+            kept = self.multipliers.kept_scalars
+            found += sum(float(kept[place] * by) for place, by in change.held.items())
         return float(total(problem.comm, found))
 
     @cached_property
@@ -264,7 +266,7 @@ def that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[Accepted
     """
     last = steps[-1]
     follows = any(contact.friction.follows_path for contact in problem.contacts)
-    follows |= any(unknown.is_locked for unknown in problem.unknowns)
+    follows |= any(unknown.keeps_last for unknown in problem.unknowns)
     if not follows or len(steps) == 1:
         return [last]
     if any(one.paired_at is not None for step in steps for one in step.contacts):
@@ -288,7 +290,8 @@ def _go_back_to(load_steps: LoadSteps, step: AcceptedStep) -> None:
 
 def of_step_before(problem: Problem, gradient: QuantityGradient) -> StateGradient:
     """The gradient of a quantity in the state that the step before left; collective."""
-    kept = zip(problem.body_scalars, gradient.multipliers.kept_scalars, strict=True)
+    rows = zip(problem.body_scalars, gradient.multipliers.kept_scalars, strict=True)
+    kept = [(scalar, value) for scalar, value in rows if scalar.keeps_last]
     found = StateGradient.of_scalars(problem, kept)
     for number, (contact, after) in enumerate(
         zip(problem.contacts, gradient.contacts, strict=True)

@@ -7,7 +7,7 @@ bodies are held.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,8 +21,10 @@ from fenics_contact.contact.point_gradients import GivenChange
 from fenics_contact.contact.rigid_obstacle import DIRECTIONS
 from fenics_contact.problem.loads import load_of_components
 from fenics_contact.problem.loads.couplings import PointMotion
+from fenics_contact.problem.loads.temperatures import ThermalStrain
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_kinds import Resultant, Shortening
+from fenics_contact.problem.scalar_unknown import BodyScalar
 from fenics_contact.scene.loading.load_kinds import slope_of
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import AXES, Value
@@ -46,6 +48,7 @@ class Change:
         prescribed: Displacements of ``Problem.constrained``; likewise.
         contacts: Number of a contact → what it is given.
         scalars: Number of a scalar unknown → the right-hand side of its equation.
+        held: Number of a scalar of the body → the value that it is held at.
         columns: Number of a scalar unknown → its column of the far field.
         modulus: Number of a material and name of its modulus, if it is one.
         springs: Number of a foot of ``Problem.feet`` → how forces of its springs on the body
@@ -57,6 +60,7 @@ class Change:
     prescribed: Array | None = None
     contacts: Mapping[int, GivenChange] = field(default_factory=dict)
     scalars: Mapping[int, float] = field(default_factory=dict)
+    held: Mapping[int, float] = field(default_factory=dict)
     columns: Mapping[int, Array] = field(default_factory=dict)
     modulus: tuple[int, str] | None = None
     springs: Mapping[int, Callable[[Array], Array]] = field(default_factory=dict)
@@ -113,6 +117,7 @@ class SceneChanges:
             "preload": self._of_preload,
             "coupling": self._of_coupling,
             "spring": self._of_joint,
+            "temperature": self._of_temperature,
             "material": self._of_material,
         }
         if group not in kinds:
@@ -255,16 +260,44 @@ class SceneChanges:
         """One for each preload of the scene, in its order."""
         return [one for one in self.problem.body_scalars if isinstance(one, Shortening)]
 
+    def _of_temperature(self, key: str, number: int, rest: list[str]) -> Change:
+        """The change by a temperature that is the same everywhere."""
+        if rest != ["value"]:
+            raise _refused(key, "of temperatures, one that is the same everywhere has")
+        return self._of_strains(
+            key, "value", [one for one in self._thermal_strains if one.table == number]
+        )
+
+    def _of_strains(self, key: str, name: str, strains: Sequence[ThermalStrain]) -> Change:
+        """The change by a number on which thermal strains depend."""
+        every: list[BodyScalar] = self.problem.body_scalars
+        held = {every.index(strain): strain.slope(name, self.time) for strain in strains}
+        known = {place: slope for place, slope in held.items() if slope is not None}
+        if len(known) < len(held):
+            raise _refused(key, "temperatures and expansions have that are one number")
+        return Change(held=known)
+
+    @property
+    def _thermal_strains(self) -> list[ThermalStrain]:
+        """Scalars of all thermal strains."""
+        return [one for one in self.problem.body_scalars if isinstance(one, ThermalStrain)]
+
     def _of_material(self, key: str, number: int, rest: list[str]) -> Change:
         if rest == ["density"]:
             return self._of_density(number)
+        if rest and rest[0] in ("thermal_expansion", "reference_temperature"):
+            strains = [one for one in self._thermal_strains if one.material == number]
+            return self._of_strains(key, ".".join(rest), strains)
         if len(rest) != 1 or rest[0] not in _MODULI:
             raise _refused(
                 key, "of materials, Young's modulus, Poisson's ratio and density as numbers have"
             )
         problem = self.problem
-        if not isinstance(problem.elastic.law, Isotropic) or self._shortenings:
-            raise _refused(key, "moduli have where all materials are isotropic, without preloads")
+        if not isinstance(problem.elastic.law, Isotropic) or problem.elastic.has_free_strains:
+            raise _refused(
+                key,
+                "moduli have where all materials are isotropic, without preloads and temperatures",
+            )
         if problem.far_field is None:
             return Change(modulus=(number, rest[0]))
         slopes, known = problem.far_field.slopes(rest[0]), np.zeros(len(problem.far_field.dofs))

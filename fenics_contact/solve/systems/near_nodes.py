@@ -62,9 +62,7 @@ def near_nodes(problem: Problem) -> list[NearNodes | None]:
     if count <= _FEW or problem.inertia.moves:
         return [None] * len(acting)
     moved = largest(problem.comm, np.abs(problem.prescribed))
-    moved += sum(
-        abs(one.held) for one in problem.body_scalars if one.moved is not None and one.held
-    )
+    moved += sum(one.brings for one in problem.body_scalars)
     return [_drawn_near(contact, moved) if _may_open(contact) else None for contact in acting]
 
 

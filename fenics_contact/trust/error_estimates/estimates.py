@@ -243,7 +243,7 @@ class Estimates:
         """
         if self._is_linear:
             # The length of a locked bolt is that of an earlier load step.
-            locks = any(one.is_locked for one in self._problem.body_scalars)
+            locks = any(one.keeps_last for one in self._problem.body_scalars)
             return self._linear_history.again if locks else self._linear.again
         if len(self._times) == 1 or not _remembers(self._problem):
             return Again.of_last_step(self._load_steps, self._measure)
@@ -343,6 +343,6 @@ def _remembers(problem: Problem) -> bool:
     """Whether the answer depends on load steps: friction, wear, locked scalars, new pairings."""
     if any(contact.is_path_dependent for contact in problem.contacts):
         return True
-    if any(unknown.is_locked for unknown in problem.unknowns):
+    if any(unknown.keeps_last for unknown in problem.unknowns):
         return True
     return any(contact.kinematics.paired_at is not None for contact in problem.contacts)

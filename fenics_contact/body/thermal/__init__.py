@@ -1,0 +1,1 @@
+"""What temperatures do to a body: parts of it expand, by fields that are given."""

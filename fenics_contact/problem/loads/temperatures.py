@@ -1,0 +1,134 @@
+"""Thermal strains as scalars of the body's energy, whose values the temperatures give."""
+
+from __future__ import annotations
+
+import ufl
+from ufl.core.expr import Expr
+
+from fenics_contact.body.preloaded_part import ScalarForces
+from fenics_contact.body.thermal.heated_part import HeatedPart
+from fenics_contact.problem.scalar_unknown import BodyScalar, KnownProblem, ScalarUnknown
+from fenics_contact.scene.loading.load_paths import KeyedPath
+from fenics_contact.scene.loading.temperatures import expansions
+from fenics_contact.scene.scene import Scene
+
+
+class ThermalStrain(BodyScalar):
+    """By how much a length would expand freely, q = L α (T − reference), which is given.
+
+    L is the extent of the body, so that q is a length as other scalars are. Where the temperature
+    varies in space, it is the largest difference that counts, and its field over that is part of
+    what a unit of q does to the body.
+
+    Attributes:
+        table: Number of the temperature in the scene.
+        material: Number of the material.
+        part: The cells that it heats.
+        factor: Of the path, at present.
+
+    Args:
+        scene: With the temperature, and the material whose α it is.
+        part: The cells that it heats.
+        forces: What a unit of it does to the body.
+    """
+
+    has_slack = False
+
+    def __init__(self, scene: Scene, part: HeatedPart, forces: ScalarForces) -> None:
+        described = part.described
+        self.table, self.material = described.table, described.material
+        given, material = scene.temperature[self.table], scene.material[self.material]
+        several = f" in material {self.material}" if len(scene.material) > 1 else ""
+        super().__init__(f"{given.label}{several}", forces)
+        self.part = part
+        self._path = KeyedPath(given.path, f"temperature[{self.table}].path")
+        found = expansions(material)
+        assert found is not None
+        self._per_degree = found[0] * part.spaces.size
+        self._rise = part.largest_rise
+        if isinstance(given.value, float | int):
+            self._rise = given.value - material.reference_temperature
+        self._is_uniform = given.is_uniform
+        self._is_even = not isinstance(material.thermal_expansion, tuple)
+        self.factor = 0.0
+
+    @property
+    def name(self) -> str:
+        """Name of the scalar in results."""
+        return self.label
+
+    @property
+    def term(self) -> str:
+        """Name of the energy term that it makes, for results."""
+        return self.label
+
+    @property
+    def force(self) -> float:
+        """None acts on it: its value is given."""
+        return 0.0
+
+    @property
+    def has_force(self) -> bool:
+        """Whether anything moves it: the temperature does."""
+        return True
+
+    @property
+    def is_locked(self) -> bool:
+        """Whether the scene keeps its value: always."""
+        return True
+
+    @property
+    def keeps_last(self) -> bool:
+        """Whether it keeps the value of the last load step: no, the scene gives each."""
+        return False
+
+    @property
+    def brings(self) -> float:
+        """How far it may bring nodes at present, as a part expands (length)."""
+        return abs(self.held)
+
+    @property
+    def held(self) -> float:
+        """Its value at present (length)."""
+        return self._per_degree * self._rise * self.factor
+
+    @property
+    def start(self) -> float:
+        """The value at which a load step begins (length)."""
+        return self.held
+
+    def set_time(self, time: float, more: float = 0.0) -> None:
+        """Bring the temperature to a pseudo-time."""
+        self.factor = self._path(time)
+
+    def slope(self, name: str, time: float) -> float | None:
+        """Derivative of its value by a number of the scene; None where it says none.
+
+        Args:
+            name: ``value`` of the temperature, ``thermal_expansion`` or ``reference_temperature``
+                of the material.
+            time: Pseudo-time.
+        """
+        factor = self._path(time)
+        if name == "thermal_expansion" and self._is_even:
+            return self.part.spaces.size * self._rise * factor
+        signs = {"value": 1.0, "reference_temperature": -1.0}
+        if name in signs and self._is_uniform:
+            return signs[name] * self._per_degree * factor
+        return None
+
+    def force_of(self, stress: Expr) -> Expr:
+        """∂W/∂q of a stress, −∫ σ : (its strain free of stress for a unit), weighted."""
+        strain = self.part.stressless_strain(ufl.as_ufl(-1.0))
+        return self.part.spaces.weight * ufl.inner(stress, strain) * self.part.measure
+
+
+def thermal_strains(problem: KnownProblem) -> list[ScalarUnknown]:
+    """One for each part of the body that has a temperature."""
+    elastic = problem.elastic
+    first = len(elastic.preloaded)
+    forces = elastic.scalar_forces[first : first + len(elastic.heated)]
+    return [
+        ThermalStrain(problem.scene, part, found)
+        for part, found in zip(elastic.heated, forces, strict=True)
+    ]
