@@ -170,7 +170,8 @@ class FieldSeries:
     Point data: displacement, stress (3 × 3), temperature where the scene gives such,
     contact_pressure, friction_traction, status (−1 off the contacts, 0 OPEN, 1 STICK, 2 SLIP),
     slip and gap (not a number where nothing stands opposite), what laws keep of their own (these,
-    as pressure and traction, 0 off the contacts) and, where a contact is not prescribed, reaction_pressure, which knows nothing of the penalty.
+    as pressure and traction, 0 off the contacts) and, where a contact is not prescribed,
+    reaction_pressure, which knows nothing of the penalty.
     Cell data: body, the number of the connected part, in the order of `model.bodies`; and of each
     contact the facets that carry it, see ``facet_flags``.
 
