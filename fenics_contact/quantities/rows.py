@@ -366,7 +366,8 @@ ROWS = (
         names.SLIP_FACTOR,
         "",
         "factor of the loads that vary in the last load step at which a part that friction holds "
-        "slips as a whole (`slip_limit.factor`); left out where it is not known",
+        "slips as a whole (`slip_limit.factor`); left out where it is not known, and of an upper "
+        "bound",
     ),
     Quantity(
         names.UNDECIDED_POINTS,

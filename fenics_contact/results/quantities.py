@@ -211,7 +211,12 @@ def _parts(result: Outcome) -> list[str]:
         for name, share in limit.parts.items()
         if share is not None
     ]
-    if limit.factor is not None:
+    if limit.factor is not None and limit.kind == "upper bound":
+        said.append(
+            f"At {limit.factor:.4g} times the loads that vary a part slips or tips at the latest "
+            f"({limit.motion}), whatever the pressures become (upper bound)."
+        )
+    elif limit.factor is not None:
         said.append(
             f"At {limit.factor:.4g} times the loads that vary a part slips as a whole "
             f"({limit.kind})."

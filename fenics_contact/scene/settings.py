@@ -156,8 +156,9 @@ class SolverSettings:
         Literal["auto", "steps"],
         Field(
             description="how the factor of varying loads at which a part slips is found: "
-            "`auto` by the pressures of the answer, if larger loads leave these as they are, and "
-            "not where `errors` is `none`; `steps` else by larger and larger loads"
+            "`auto` by the pressures of the answer, if larger loads leave these as they are, else "
+            "an upper bound, and not where `errors` is `none`; `steps` else by larger and larger "
+            "loads"
         ),
     ] = "auto"
     outer_tolerance: Annotated[

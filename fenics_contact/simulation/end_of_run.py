@@ -250,8 +250,11 @@ class ResultOfRun:
         near = attempt(problem.comm, missing, history.slip_limit, None, notes)
         slip = self.end.slip
         if near is not None and slip.factor is not None:
-            near = dataclasses.replace(near, factor=slip.factor, kind=slip.kind)
-            quantities = {**quantities, SLIP_FACTOR: slip.factor}
+            near = dataclasses.replace(
+                near, factor=slip.factor, kind=slip.kind, motion=slip.motion or near.motion
+            )
+            known = {} if slip.is_bound else {SLIP_FACTOR: slip.factor}
+            quantities = {**quantities, **known}
         said = verdict.with_unresolved(verdict.of_checks(checks), problem, solution, notes)
         said += verdict.remarks(problem, solution, history.steps, open_share, notes)
         return Result(

@@ -5,7 +5,8 @@ pressures of the answer the factor is the least (j(r) − f₀(r))/f₁(r) over 
 along all that touches, where j is the most work that friction can take, f₀ and f₁ the work of
 constant and of varying loads (``rigid_slip``). That holds if the pressures do not follow the loads,
 which a solve with slightly larger loads tells. If they do, the loads grow step by step instead,
-where the scene asks for it: each time to most of the factor by the pressures found there.
+where the scene asks for it: each time to most of the factor by the pressures found there. Else
+there is an upper bound, for pressures that may be any (``load_growth``).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from functools import partial
 import numpy as np
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.problem.existence.load_growth import MOST, GrowthLimit, growth_limit
 from fenics_contact.problem.existence.slip_shares import slip_shares
 from fenics_contact.problem.loads.disturbance import Disturbance
 from fenics_contact.problem.problem import Problem
@@ -23,7 +25,7 @@ from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import Quantities, last_step_again
 
-HELD, STEPS = "pressures held", "load steps"
+HELD, STEPS, BOUND = "pressures held", "load steps", "upper bound"
 # By how much loads grow to see whether the pressures follow them.
 _MORE = 0.01
 # Of the factor: how far it may move until it is reached, if the pressures count as held.
@@ -32,8 +34,6 @@ _SAME = 0.01
 _WAY = 0.8
 # Of the factor: how near the loads come to it, and steps at the most.
 _NEAR, _TRIES = 5e-3, 12
-# Loads that have grown so much are not what makes parts slip.
-_MOST = 100.0
 _FACTOR = "factor"
 
 
@@ -43,11 +43,19 @@ class SlipFactor:
 
     Attributes:
         factor: At which parts slip as a whole, 1 for the present loads; None if it is not known.
-        kind: How it was found: ``pressures held`` or ``load steps``; empty if it was not.
+        kind: How it was found: ``pressures held``, ``load steps`` or ``upper bound``; empty if it
+            was not.
+        motion: Of an upper bound, that which runs there, in words.
     """
 
     factor: float | None = None
     kind: str = ""
+    motion: str = ""
+
+    @property
+    def is_bound(self) -> bool:
+        """Whether parts may slip before."""
+        return self.kind == BOUND
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,9 +113,14 @@ def slip_factor(load_steps: LoadSteps, by_steps: bool) -> SlipFactor:
     first = growth.limit(last.solution, 1.0)
     if first is None or drives[0] != drives[1]:  # an obstacle's force is no load of the body
         return SlipFactor()
-    if first - 1 <= _NEAR or _stays(growth, first):
+    bound = growth_limit(problem, growth.varying, 1.0)
+    is_reached = bound is None or first <= bound.factor * (1 + _NEAR)
+    if first - 1 <= _NEAR or (is_reached and _stays(growth, first)):
         return SlipFactor(first, HELD)
-    return _by_steps(growth, first) if by_steps else SlipFactor()
+    found = _by_steps(growth, first, bound) if by_steps else SlipFactor()
+    if found.factor is not None or bound is None:
+        return found
+    return SlipFactor(bound.factor, BOUND, bound.motion)
 
 
 def _varying_load(problem: Problem, before: float) -> Array:
@@ -127,18 +140,22 @@ def _stays(growth: _Growth, first: float) -> bool:
     return more is not None and abs(more - first) * (first - 1) / grown <= _SAME * first
 
 
-def _by_steps(growth: _Growth, first: float) -> SlipFactor:
-    """Let the loads grow until they are near the factor by the pressures with them; collective."""
-    factor, limit, way = 1.0, first, _WAY
+def _by_steps(growth: _Growth, first: float, bound: GrowthLimit | None) -> SlipFactor:
+    """Let the loads grow until they are near the factor by the pressures with them; collective.
+
+    Or near the bound, beyond which they have no answer, as where a part tips.
+    """
+    most = np.inf if bound is None else bound.factor
+    factor, limit, way = 1.0, min(first, most), _WAY
     for _ in range(_TRIES):
         if limit - factor <= _NEAR * factor:
             return SlipFactor(limit, STEPS)
-        if factor > _MOST:
+        if factor > MOST:
             break
         tried = factor + way * (limit - factor)
         found = growth.limit_at(tried)
         if found is None:
             way /= 2
             continue
-        factor, limit = tried, found
+        factor, limit = tried, min(found, most)
     return SlipFactor()

@@ -129,6 +129,11 @@ class LimitAnalysis:
         found = self._separation(share)
         return None if found is None else found.motion[: self._count]
 
+    def running(self) -> tuple[Array, Array] | None:
+        """A motion that the loads drive against all friction, and what slides in it; or None."""
+        found = self._separation(1.0)
+        return None if found is None else (found.motion[: self._count], self._sliding(found))
+
     def _separation(self, share: float) -> Separation | None:
         """How the loads lie beyond so many times the friction; None where they are held."""
         found = separation(self._load, lambda direction: self._farthest_ray(share, direction))

@@ -271,13 +271,14 @@ class SlipLimitRecord(Record):
         parts: Part → how much of what friction can hold of it is used, all its contacts together
             and the other parts at rest, 0 … 1; null where supports hold it, or where no motion
             that they leave slips along all that touches.
-        motion: The motion, of one part or several, against which most of it is used, in words;
-            empty where there is none.
+        motion: The motion, of one part or several, against which most of it is used, in words; of
+            an upper bound that which runs there; empty where there is none.
         factor: Factor of the loads that vary in the last load step at which a part slips as a
             whole, 1 for the present loads; null where it is not known.
         kind: How that was found: `pressures held` by the pressures of the answer, which loads that
             are 1 % larger leave as they are; `load steps` by larger and larger loads
-            (`solver.slip_limit`); empty where it is not known.
+            (`solver.slip_limit`); `upper bound` for any pressures at the points that may touch:
+            at that factor a part slips or tips, and may before; empty where it is not known.
         errors: `factor` → estimated errors of it by source, none so far.
     """
 
