@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.loading.conditions import Load, Point, Preload
     from fenics_contact.scene.loading.couplings import Coupling, Spring
     from fenics_contact.scene.loading.cycles import Cycles
+    from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
     from fenics_contact.scene.loading.inertia_kinds import Rotation
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
     from fenics_contact.scene.loading.support_axes import SupportAxes
@@ -91,6 +92,7 @@ __all__ = [
     "Coupling",
     "CycleJump",
     "Cycles",
+    "CyclicSymmetry",
     "Damping",
     "DerivativeRequest",
     "Discretisation",
@@ -178,6 +180,7 @@ _MODULES = {
     "scene.scene": ("Discretisation", "Scene"),
     "scene.loading.conditions": ("Load", "Point", "Preload"),
     "scene.loading.couplings": ("Coupling", "Spring"),
+    "scene.loading.cyclic_symmetry": ("CyclicSymmetry",),
     "scene.loading.support_axes": ("SupportAxes",),
     "scene.loading.supports": ("FaceRotation", "Support"),
     "scene.loading.temperatures": ("Temperature",),

@@ -13,6 +13,7 @@ from typing import Literal
 
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.loading.couplings import GROUND, Spring, Way
+from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
 from fenics_contact.scene.loading.support_axes import SupportAxes
 from fenics_contact.scene.loading.temperatures import Temperature, expansions
 from fenics_contact.scene.scene import Scene
@@ -156,6 +157,7 @@ class BodyDescription:
         couplings: Boundaries that move with a point, likewise.
         joints: Springs between these, likewise.
         heated: Cells that have a temperature, by temperature and material.
+        cyclic_symmetry: The cut faces of a sector, or None.
     """
 
     kinematics: Kinematics
@@ -172,6 +174,7 @@ class BodyDescription:
     couplings: tuple[CoupledGroup, ...] = ()
     joints: tuple[Joint, ...] = ()
     heated: tuple[HeatedGroup, ...] = ()
+    cyclic_symmetry: CyclicSymmetry | None = None
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
@@ -212,6 +215,7 @@ class BodyDescription:
                 for table in range(len(scene.temperature))
                 for material in range(len(scene.material))
             ),
+            cyclic_symmetry=scene.cyclic_symmetry,
         )
 
     def differences(self, other: BodyDescription) -> Sequence[str]:

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.description import CandidateContact
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags
@@ -70,6 +71,7 @@ class NamedSurfaces:
         spaces: Those of the body.
         flat_sides: Axis and coordinate of planes of symmetry.
         walls: The same of flat sides that supports hold.
+        cut: The cut faces of a sector, in which surfaces go on.
 
     Raises:
         InputError: A surface is not on the boundary.
@@ -82,9 +84,10 @@ class NamedSurfaces:
         spaces: Spaces,
         flat_sides: list[tuple[int, float]],
         walls: list[tuple[int, float]],
+        cut: CutFaces | None = None,
     ) -> None:
         self.spaces, self._key = spaces, key
-        self._flat_sides, self._walls = flat_sides, walls
+        self._sides = flat_sides, walls, cut
         self.wanted = contact.slave
         self.on = self._surface("on", contact.on)
         self.against: NamedSurface | None = None
@@ -97,7 +100,7 @@ class NamedSurfaces:
             raise InputError(
                 f"{self._key}.{side} = '{name}': no facet of it is on the boundary of the body"
             )
-        return NamedSurface(name, group, Trace(self.spaces, group, self._flat_sides, self._walls))
+        return NamedSurface(name, group, Trace(self.spaces, group, *self._sides))
 
     def compare(self) -> tuple[bool, str]:
         """Whether ``on`` is the better slave, by what covers what and by sizes of facets, and why.

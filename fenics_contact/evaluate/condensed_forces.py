@@ -74,9 +74,11 @@ class CondensedForces(InternalForces):
         """Forces of a solution, in the state of the system that has found it; collective.
 
         Springs of supports are stretched by displacements that are found inside; faces that are
-        coupled move by scalars, of which its rows do not know.
+        coupled move by scalars, and the cut faces of a sector pull at each other, of which its rows
+        do not know.
         """
-        if system.problem.feet or system.problem.couplings.size:
+        problem = system.problem
+        if problem.feet or problem.couplings.size or problem.discrete.cut is not None:
             return BulkForces(system.problem, solution)
         scalars = system.scalar_values(system.state)
         moved = system.contact_displacements()

@@ -113,6 +113,7 @@ class InternalForces(ABC):
         solution: Its solution.
         load: The loads, (nodes, components) (force).
         contacts: Forces of all contacts on the body, likewise.
+        across_cut: Forces across the cut faces of a sector, likewise; 0 without any.
         tells_inside: Whether displacements inside the body are known.
         rests: Whether nothing has inertia, so that loads, contacts and supports are in balance.
     """
@@ -127,6 +128,7 @@ class InternalForces(ABC):
         self.contacts = np.zeros_like(problem.load)
         for contact, force in zip(problem.contacts, self._given, strict=True):
             self.contacts += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
+        self.across_cut = np.zeros_like(problem.load)
         self._pressures: dict[int, Array] = {}
         self._carries: dict[int, bool] = {}
 

@@ -37,6 +37,9 @@ class BulkForces(InternalForces):
     def __init__(self, problem: Problem, solution: Solution) -> None:
         super().__init__(problem, solution)
         self._unbalanced = solution.internal_force - problem.load - self.contacts
+        if problem.discrete.cut is not None:
+            self.across_cut = problem.discrete.cut.forces(self._unbalanced)
+            self._unbalanced = self._unbalanced - self.across_cut
         self.load = problem.load - problem.feet.load
         #: Forces of the springs of each elastic support on the body, (nodes, components).
         self.of_springs = [foot.forces(solution.displacement) for foot in problem.feet]
@@ -47,7 +50,11 @@ class BulkForces(InternalForces):
 
     @property
     def unbalanced(self) -> Array:
-        """Forces that the bulk needs less loads and contacts, (nodes, components) (force)."""
+        """Forces that the bulk needs less loads and contacts, (nodes, components) (force).
+
+        Less those across the cut of a sector, too: where a node follows from one of the other face,
+        what is left is at that one.
+        """
         return self._unbalanced
 
     @property
@@ -181,7 +188,7 @@ class BulkForces(InternalForces):
         """
         spaces = self.problem.spaces
         parts, owned = spaces.parts, spaces.owned_nodes
-        applied = (self.load + self.reactions + self.contacts)[:owned]
+        applied = (self.load + self.reactions + self.contacts + self.across_cut)[:owned]
         forces = np.zeros((owned, 3))
         forces[:, : spaces.components] = applied
         moments = np.cross(parts.arms[:owned], forces) / parts.sizes[parts.of_node[:owned], None]

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 from dolfinx import fem
 
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elastic_body import ElasticBody
 from fenics_contact.body.spaces import Spaces
@@ -40,6 +41,7 @@ class DiscreteBody:
         held: Dofs that supports and symmetry hold.
         outer: Those of the outer boundary of a half-space, sorted.
         constrained: Both, sorted (local indices, owned and ghost).
+        cut: The cut faces of a sector of a ring, or None.
         elastic: ½ a(·, ·): law, compiled forms, stress.
         sides: The surfaces of each contact, in scene order.
         found: What is worked out of it once, by name.
@@ -58,12 +60,19 @@ class DiscreteBody:
         self._refuse_at_couplings()
         self.outer = self._outer_dofs()
         self.constrained = np.union1d(self.held.dofs, self.outer)
+        sector = description.cyclic_symmetry
+        self.cut = None if sector is None else CutFaces(sector, self.spaces)
         self.elastic = ElasticBody(description, self.spaces, self.displacement, self.held)
         self.is_kept = False
         self.found: dict[Hashable, Any] = {}
         named = [
             NamedSurfaces(
-                contact, f"contact[{number}]", self.spaces, self.held.flat_sides, self.held.walls
+                contact,
+                f"contact[{number}]",
+                self.spaces,
+                self.held.flat_sides,
+                self.held.walls,
+                self.cut,
             )
             for number, contact in enumerate(description.contacts)
         ]

@@ -135,6 +135,8 @@ class Problem:
             self._pressures = self._assemble_pressures()
             self.inertia = self._place_masses()
             self.set_time(scene.load_steps.all_times[-1])
+        if discrete.cut is not None:
+            discrete.cut.require_held_alike(self.constrained, self.prescribed)
 
     @classmethod
     def on_mesh(cls, scene: Scene, body: Body, timings: Timings | None = None) -> Problem:

@@ -43,8 +43,10 @@ class RigidMotions:
         self._jumps: dict[ContactSurface, Array] = {}
         spaces = problem.spaces
         self.floating = [contact for contact in problem.contacts if contact.has_unknown_position]
+        cut = problem.discrete.cut
+        about = None if cut is None else cut.centre
         self._names, self._fields = problem.discrete.once(
-            "rigid motions", partial(_of_parts, spaces)
+            "rigid motions", partial(_of_parts, spaces, about)
         )
         self._faces = CoupledMotions(problem.body_scalars, problem.elastic, spaces, self._fields)
         free = self._kept_combinations()
@@ -138,6 +140,9 @@ class RigidMotions:
         held[problem.coupled[problem.coupled < owned * components]] = False
         rows = self._fields[:owned].reshape(-1, modes)[held]
         rows = np.concatenate([rows, *self._on_springs(), self._faces.held])
+        if problem.discrete.cut is not None:
+            apart = problem.discrete.cut.jumps(self._fields)  # the same on every rank
+            rows = np.concatenate([rows, apart if problem.comm.rank == 0 else apart[:0]])
         every = [np.hstack([rows, np.zeros((len(rows), floats))])]
         for contact in problem.contacts:
             if contact.normal.sticks:
@@ -306,21 +311,26 @@ class RigidMotions:
         return ", ".join(words)
 
 
-def _of_parts(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:
+def _of_parts(spaces: Spaces, about: Array | None) -> tuple[list[tuple[str, int]], Array]:
     """Kinds and axes of motions, and those of each part as fields of the whole."""
-    names, fields = rigid_fields(spaces)
+    names, fields = rigid_fields(spaces, about)
     return names, apart(spaces.parts, fields)
 
 
-def rigid_fields(spaces: Spaces) -> tuple[list[tuple[str, int]], Array]:
+def rigid_fields(spaces: Spaces, about: Array | None = None) -> tuple[list[tuple[str, int]], Array]:
     """Translations, then rotations of each part about its own centre, scaled to its size.
+
+    Args:
+        spaces: Those of the body.
+        about: Another point to turn about, (3,) (length).
 
     Returns:
         Kind and axis of each, and their values at the nodes of this rank, of shape
         (nodes, components, modes).
     """
     parts = spaces.parts
-    offset = parts.arms / parts.sizes[parts.of_node, None]
+    arms = parts.arms if about is None else spaces.coordinates - about
+    offset = arms / parts.sizes[parts.of_node, None]
     names: list[tuple[str, int]] = []
     fields: list[Array] = []
     axes = range(spaces.components) if spaces.kinematics != "axisymmetric" else (1,)

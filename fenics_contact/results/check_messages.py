@@ -61,6 +61,15 @@ WORDS: Mapping[str, CheckWords] = {
         "the face's largest distance from its point; over the largest force.",
         "the force or moment of a coupling is {share} off the one that is given",
     ),
+    "cyclic_symmetry": CheckWords(
+        "Displacements of one cut face of a sector against those of the other, turned, over the "
+        "largest of them; and forces that both faces together leave out of balance, over those "
+        "that the body needs there.",
+        kinds={
+            "motion": "the cut faces of the sector move apart by {share} of what they move",
+            "forces": "what one cut face of the sector gets and the other gives differ by {share}",
+        },
+    ),
     "action_and_reaction": CheckWords(
         "Forces on both bodies of a contact, and their moments, add up to zero; over the forces "
         "on one.",

@@ -8,6 +8,7 @@ from fenics_contact.scene.body import Material, MeshSource
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Point, Preload
 from fenics_contact.scene.loading.couplings import Coupling, Spring
+from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.loading.temperatures import Temperature
@@ -55,6 +56,7 @@ class CoreScene(HasUnits):
     motion: Motion | None
     temperature: tuple[Temperature, ...]
     solver: SolverSettings
+    cyclic_symmetry: CyclicSymmetry | None
 
     def path_time(self, time: float) -> float:
         """The pseudo-time at which load paths are asked: of all cycles that in the first.

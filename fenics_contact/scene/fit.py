@@ -41,6 +41,7 @@ def require_fit(scene: CoreScene) -> None:
     _require_known(scene)
     require_cycles(scene)
     _require_motion(scene)
+    _require_sector(scene)
     for part in registry.parts_of_scene(scene, "table"):
         part.require(scene)
 
@@ -355,3 +356,31 @@ def _require_contact_moves(contact: Contact, key: str) -> None:
             f"motion: {key}: only Coulomb's friction of law = 'incremental', or with a "
             "friction_law of kind = 'speed dependent', follows velocities yet"
         )
+
+
+def _require_sector(scene: CoreScene) -> None:
+    """Refuse what a sector of a ring cannot have, or not yet.
+
+    Raises:
+        ValueError: In words.
+    """
+    sector = scene.cyclic_symmetry
+    if sector is None:
+        return
+    sector.require_model(scene.kinematics)
+    others = {
+        "half_space": scene.half_space is not None,
+        "motion": scene.motion is not None,
+        "coupling": bool(scene.coupling),
+        "accuracy": scene.accuracy is not None,
+        "solver.solver = 'iterative'": scene.solver.solver == "iterative",
+        **dict.fromkeys(registry.tables_not_with(scene, "cyclic symmetry"), True),
+        **{
+            f"contact[{number}].friction_law of kind = '{law.kind}'": law.averages
+            for number, contact in enumerate(scene.contact)
+            if (law := contact.friction_law) is not None
+        },
+    }
+    for key, is_there in others.items():
+        if is_there:
+            raise ValueError(f"cyclic_symmetry: not with {key} yet; leave one of the two out")

@@ -27,6 +27,7 @@ from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.loading.conditions import Load, Point, Preload
 from fenics_contact.scene.loading.couplings import Coupling, Spring
 from fenics_contact.scene.loading.cycles import Cycles
+from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
 from fenics_contact.scene.loading.load_paths import load_steps_of
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.loading.supports import Support
@@ -232,6 +233,13 @@ class Scene(CoreScene):
         tuple[Temperature, ...],
         Field(description=f"temperatures of bodies, up to {_MOST}", max_length=_MOST),
     ] = ()
+    cyclic_symmetry: Annotated[
+        CyclicSymmetry | None,
+        Field(
+            description="the body is one sector of a ring, whose cut faces move alike; results are "
+            "those of the sector"
+        ),
+    ] = None
 
     def use_units(self) -> None:
         """Put numbers where there are texts with a unit, and values of materials by name."""

@@ -85,11 +85,19 @@ def model_of(
         rigid_motions=[RigidMotion(**motion) for motion in free.motions],
         stabilised_motions=list(free.stabilised),
         used_share_of_limit_load=free.used_share,
-        symmetry=problem.discrete.held.symmetry,
+        symmetry=_symmetry_of(problem),
         time_step=problem.inertia.size,
         free_modes=_free_modes(problem),
         bulk_factorisations=None if solution is None else solution.factorisations,
     )
+
+
+def _symmetry_of(problem: Problem) -> str:
+    """Part of the whole that is modelled, in words."""
+    cut, planes = problem.discrete.cut, problem.discrete.held
+    if cut is None:
+        return planes.symmetry
+    return f"{cut.words}; {planes.symmetry}" if planes.planes else cut.words
 
 
 def _free_modes(problem: Problem) -> int | None:

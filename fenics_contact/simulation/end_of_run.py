@@ -16,6 +16,7 @@ from fenics_contact.common.failures import attempt
 from fenics_contact.common.timings import CHECKING, LOOKING_AHEAD, SEARCHING, Timings, doing
 from fenics_contact.evaluate.couplings import coupling_records
 from fenics_contact.evaluate.quantities import contact_points
+from fenics_contact.evaluate.sector import sector_record
 from fenics_contact.problem.existence.condition import FreeMotion
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import SLIP_FACTOR
@@ -285,6 +286,7 @@ class ResultOfRun:
             timings=Seconds(**self.timings.summary(problem.comm)),
             versions=compat.versions(),
             units=units_of(self.scene, quantities),
+            cyclic_symmetry=sector_record(history.forces, quantities),
             points=points,
             further=found.further,
             **found.attributes,

@@ -21,6 +21,7 @@ from fenics_contact.common.failures import attempt
 from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.convergence.unseen import unseen_contact
+from fenics_contact.trust.cut_check import cyclic_symmetry
 from fenics_contact.trust.friction_checks import (
     ComparedFriction,
     compared_friction,
@@ -114,6 +115,7 @@ OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
     "stabilisation": lambda solved: stabilisation(solved.forces),
     "preload": lambda solved: preloads(solved.forces),
     "coupling": lambda solved: couplings(solved.forces),
+    "cyclic_symmetry": lambda solved: cyclic_symmetry(solved.forces),
     "action_and_reaction": lambda solved: action_and_reaction(solved.forces),
     "boundary_stress": lambda solved: boundary_stress(solved.forces),
     "unseen_contact": lambda solved: unseen_contact(solved.forces),

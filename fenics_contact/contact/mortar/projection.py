@@ -197,6 +197,10 @@ class NodalProjection:
         """Some rows and columns of P, with the same factor."""
         return NodalProjection(self._factor, self._rows[rows], self._coupling[:, columns])
 
+    def times(self, matrix: csr_matrix) -> NodalProjection:
+        """P times a matrix of the displacements of master nodes over others, in their place."""
+        return NodalProjection(self._factor, self._rows, csr_matrix(self._coupling @ matrix))
+
     def apply(self, values: Array) -> Array:
         """P v, (slave nodes, ...), of values (master nodes, ...)."""
         factor = self._factor

@@ -6,6 +6,7 @@ import numpy as np
 import ufl
 from numpy.typing import NDArray
 
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Integers
@@ -59,17 +60,22 @@ class NodalNormals:
     Args:
         surface: The surface.
         group: Its facets on the boundary of the body.
+        cut: The cut faces of a sector, beyond which it goes on turned.
     """
 
-    def __init__(self, surface: SurfaceSpace, group: Group) -> None:
+    def __init__(self, surface: SurfaceSpace, group: Group, cut: CutFaces | None = None) -> None:
         spaces, self._surface = surface.spaces, surface
         bare = node_integrals(surface, 1.0, surface.measure(nodal_rule(spaces)))
         test = ufl.TestFunction(spaces.displacement_space)
         outward = ufl.dot(ufl.FacetNormal(spaces.body.mesh), test)
         boundary = spaces.boundary(group, nodal_rule(spaces))
         averaged = spaces.assemble(form_cache.form(outward * boundary))[surface.body_nodes]
-        lengths = np.linalg.norm(averaged, axis=1)
         self.mean = self._mean(averaged, bare)
+        if cut is not None:
+            known = np.column_stack([averaged, bare])
+            known = known + cut.exchanged(surface.on_body(known))[surface.body_nodes]
+            averaged, bare = known[:, :-1], known[:, -1]
+        lengths = np.linalg.norm(averaged, axis=1)
         # 1 on a flat surface; the cosine of half the angle at an edge between two facets.
         self._flatness = lengths / np.where(bare > 0, bare, 1.0)
         self.normals = averaged / np.where(lengths > 0, lengths, 1.0)[:, None]

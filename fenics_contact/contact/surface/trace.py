@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ufl import Measure
 from ufl.core.expr import Expr
 
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags, Integers, Kind
 from fenics_contact.common.parallel import largest, smallest, total
@@ -58,6 +59,7 @@ class Trace:
         group: Group,
         flat_sides: Sequence[tuple[int, float]] = (),
         walls: Sequence[tuple[int, float]] = (),
+        cut: CutFaces | None = None,
     ) -> None:
         self.spaces = spaces
         self.group = group
@@ -66,7 +68,7 @@ class Trace:
         self._centres = FacetCentres(self.surface) if needs_centres(spaces) else None
         self.weight: Expr | float = point_weight(self.surface)
         weights = self._areas(node_form(self.surface, self.weight, self._nodal_measure))
-        self.averaged = NodalNormals(self.surface, group)
+        self.averaged = NodalNormals(self.surface, group, cut)
         averaged = self.averaged.normals
         self.symmetry = SurfaceSymmetry(self.surface, flat_sides, walls, averaged)
         normals = self.symmetry.mirrored(averaged)

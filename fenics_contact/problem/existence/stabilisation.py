@@ -86,11 +86,13 @@ def determining_dofs(problem: Problem, fields: Array, nodes: Flags | None) -> In
     Returns:
         Local numbers of those of this rank, owned and ghost; None where there are too few.
     """
-    spaces, comm = problem.spaces, problem.comm
+    spaces, comm, cut = problem.spaces, problem.comm, problem.discrete.cut
     components, count = spaces.components, fields.shape[-1]
     rest = fields[: spaces.owned_nodes].reshape(-1, count).copy()
     if nodes is not None:
         rest[~np.repeat(nodes[: spaces.owned_nodes], components)] = 0.0
+    if cut is not None:  # what is held there is held on both faces
+        rest[np.repeat(cut.nodes[: spaces.owned_nodes], components)] = 0.0
     first = largest(comm, np.linalg.norm(rest, axis=1))
     index_map = spaces.displacement_space.dofmap.index_map
     numbers = index_map.local_to_global(np.arange(len(spaces.coordinates), dtype=np.int32))

@@ -259,6 +259,32 @@ class CouplingRecord(Record):
     errors: Errors = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SectorRecord(Record):
+    """A sector of a ring, what acts across its cut, and numbers of the whole ring.
+
+    Attributes:
+        sectors: How many of them make the whole.
+        axis: Unit vector along the axis.
+        at: A point of it (length).
+        jump: The largest jump of the displacement between the cut faces, one turned, over their
+            largest displacement.
+        force: Resultant on the cut face `on`, a vector (force).
+        moment: Its moment about the axis (force times length).
+        whole: Name → number of the whole ring: of quantities that add up over the sectors, and
+            `torque` and in 3D `axial_force`, of the reactions of all supports about the axis and
+            along it.
+    """
+
+    sectors: int
+    axis: list[float]
+    at: list[float]
+    jump: float
+    force: list[float]
+    moment: float
+    whole: Mapping[str, float]
+
+
 #: The records of scalar unknowns that results name: one class for each kind.
 ScalarRecord = PreloadRecord
 

@@ -16,6 +16,7 @@ from fenics_contact.results.records.contacts import (
     CouplingRecord,
     PreloadRecord,
     ReactionRecord,
+    SectorRecord,
     SlipLimitRecord,
     SupportRecord,
 )
@@ -207,11 +208,13 @@ class Outcome(Record):
         timings: Where the time went.
         versions: Program or library → version.
         units: Of all numbers of its files, where the scene has units.
+        cyclic_symmetry: Of a sector of a ring, what acts across its cut, and numbers of the whole.
     """
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
         {
             *("accuracy", "cycles", "damping", "derivatives", "fretting", "further", "modes"),
+            "cyclic_symmetry",
             *("couplings", "lines", "preloads", "slip_limit", "stability", "uncertainty", "units"),
         }
     )
@@ -246,6 +249,7 @@ class Outcome(Record):
     timings: Seconds
     versions: Mapping[str, str]
     units: UnitsRecord | None = None
+    cyclic_symmetry: SectorRecord | None = None
 
     def is_written(self, name: str) -> bool:
         """Whether an attribute stands in the file: levels where an accuracy was asked for."""

@@ -51,6 +51,7 @@ class NonlocalFriction(FrictionLawTable):
     0.3
     """
 
+    averages: ClassVar[bool] = True
     kind: Annotated[Literal["nonlocal"], Field(description="which law it is")]
     averaging_radius: Annotated[
         Positive,

@@ -122,6 +122,7 @@ class FrictionLawTable:
         needs_motion: Whether it follows velocities, which there are where bodies move.
         is_regular: Whether its surfaces give way along each other, so that it needs no
             regularisation.
+        averages: Whether its bound at a point follows pressures around it.
     """
 
     kind: str
@@ -129,6 +130,7 @@ class FrictionLawTable:
     needs_steps: ClassVar[bool] = False
     needs_motion: ClassVar[bool] = False
     is_regular: ClassVar[bool] = False
+    averages: ClassVar[bool] = False
 
     @property
     def fits_motion(self) -> bool:

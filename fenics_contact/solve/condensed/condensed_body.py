@@ -103,10 +103,8 @@ class CondensedBody:
         self._moves = step is not None
         with timings.phase("assemble"):
             self.stiffness = LocalStiffness(discrete, step)
-        self.dofs = ContactDofs(discrete.spaces, constrained, sides, near)
-        self.held = np.zeros(len(self.stiffness.numbers), dtype=bool)
-        displacements = self.stiffness.displacements
-        self.held[: len(displacements)] = self.dofs.constrained[displacements]
+        self.dofs = ContactDofs(discrete.spaces, constrained, sides, near, discrete.cut)
+        self.held = self.stiffness.held(self.dofs.constrained)
         with timings.phase("factorise"):
             known = (self.stiffness, self.held, self.dofs.free)
             bulk = (

@@ -191,7 +191,7 @@ class LoadsOfBody:
             nodal=nodal,
             prescribed=prescribed,
             load=load,
-            held=self._dofs.gathered(supported.reshape(-1)),
+            held=self._dofs.followed(self._dofs.gathered(supported.reshape(-1))),
             condensed=self._condense(load),
             on_scalars=self._scalars.from_loads(load, self._stiffness.at_unknowns(supported)),
         )

@@ -191,7 +191,9 @@ class CondensedSystem(System):
             return super().at_contacts(find_body)
         components = self.problem.spaces.components
         found = self.dofs.placed(self.contact_displacements()).reshape(-1, components)
-        return found + self.body.loads_at.supported(self.problem.prescribed, components)
+        found = found + self.body.loads_at.supported(self.problem.prescribed, components)
+        cut = self.problem.discrete.cut
+        return found if cut is None else cut.followed(found)
 
     def begin(self, displacement: Array) -> None:
         """Start a solve from nodal displacements (nodes, components); collective."""
@@ -239,7 +241,7 @@ class CondensedSystem(System):
         found[self.dofs.is_free] = self._free_displacements(values)
         for value, load in zip(self._scalars_of(values), self._scalar_loads, strict=True):
             found += value * load.displacements
-        return found
+        return self.dofs.followed(found)
 
     def _scalars_of(self, values: Array) -> Array:
         return values[self._count :]

@@ -82,6 +82,10 @@ class ContactVariables:
         self._dofs = dofs
         self.count = len(dofs.free)
         self._unknown_of = np.cumsum(dofs.is_free) - 1
+        self._expansion = dofs.expansion()
+        self._follows = np.zeros(len(dofs.numbers), dtype=bool)
+        if dofs.follow is not None:
+            self._follows[dofs.follow.rows] = True
         self._places = {surface: dofs.places(surface.dofs) for surface in surfaces}
         pairings = {
             surface: pairing
@@ -138,13 +142,17 @@ class ContactVariables:
         for axis, projection in enumerate(parts):
             others = master[axis::size]
             moves = projection.nonzero_columns() & (near is None or near.masters)
-            columns = np.flatnonzero(free[others] & moves)
+            columns = np.flatnonzero((free | self._follows)[others] & moves)
             kept = projection.restricted(np.arange(projection.shape[0]), columns)
+            masters = self._unknown_of[others[columns]]
+            if self._follows[others[columns]].any():
+                expansion = self._expansion[others[columns]]
+                masters = np.unique(expansion.indices).astype(np.int64)
+                kept = kept.times(expansion[:, masters])
             nodes = np.flatnonzero(kept.nonzero_rows() & (near is None or near.slaves))
             rows = nodes * size + axis
             slaves = np.where(free[slave[rows]], self._unknown_of[slave[rows]], -1)
-            masters = self._unknown_of[others[columns]]
-            kept = kept.restricted(nodes, np.arange(len(columns)))
+            kept = kept.restricted(nodes, np.arange(len(masters)))
             found.append(_Block(rows, slaves, masters, kept))
         return found
 
@@ -218,6 +226,8 @@ class ContactVariables:
         places = self._places[surface]
         free = self._dofs.is_free[places] & self._has_jump(surface)
         measured = np.zeros(len(places), dtype=bool)  # from displacements that are free
+        follows = self._follows[places] & self._has_jump(surface)
+        measured[follows] = np.diff(self._expansion[places[follows]].indptr) > 0
         for block in self._blocks[surface]:
             measured[block.rows] = True
         unknown = np.where(free, self._unknown_of[places], 0)
@@ -227,10 +237,7 @@ class ContactVariables:
 
     def _relative(self, surface: SurfaceMatrix, rows: Integers) -> Array:
         """U − P u' of some dofs of a surface over the free contact dofs, (rows, dofs)."""
-        places = self._places[surface][rows]
-        found = np.zeros((len(rows), self.count))
-        own = np.flatnonzero(self._dofs.is_free[places])
-        found[own, self._unknown_of[places[own]]] = 1.0
+        found = np.asarray(self._expansion[self._places[surface][rows]].toarray())
         for block in self._blocks[surface]:
             mine, of_block = np.isin(rows, block.rows), np.isin(block.rows, rows)
             chosen = np.flatnonzero(of_block)
@@ -292,8 +299,8 @@ class ContactVariables:
         """Product R y."""
         if not self.derived_count:
             return np.zeros(0)
-        moved = np.zeros(len(self._dofs.numbers))
-        moved[self._dofs.is_free] = free = self.displacements(unknowns)
+        free = self.displacements(unknowns)
+        moved = self._expansion @ free
         found = []
         for surface, (others, _) in self._first_derived.items():
             jump = moved[self._places[surface]]

@@ -15,6 +15,7 @@ import numpy as np
 from dolfinx import fem
 from petsc4py import PETSc
 
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.common import mumps
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import largest, total
@@ -22,6 +23,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.systems.bulk_matrix import LinearSystem
 from fenics_contact.solve.systems.contact_dofs import ContactDofs
+from fenics_contact.solve.systems.cut_transform import SectorTransform
 from fenics_contact.solve.systems.solution import BodyAnswer, FindBody
 from fenics_contact.solve.systems.system import System, free_motions, sprung
 
@@ -37,6 +39,7 @@ class BodySystem(System):
         self._owned_size = spaces.owned_nodes * spaces.components
         constrained = problem.constrained
         self.held = constrained[constrained < self._owned_size]
+        self.jumps_across_cut = np.zeros(0, dtype=np.int64)
         self._reactions = 0.0
 
     @abstractmethod
@@ -67,6 +70,7 @@ class BodySystem(System):
         with self.state as array:
             array[: self._owned_size] = self._started[: self._owned_size]
             array[self.held] = self.problem.prescribed[owned]
+            array[self.jumps_across_cut] = 0.0
             if self.comm.rank == 0 and self.scalars:
                 array[-self.scalars :] = self.starting_scalars()
 
@@ -81,6 +85,7 @@ class BodySystem(System):
                 values[moved] += value * given.displacement
         with self.state as array:
             array[self.held] = values[problem.constrained < self._owned_size]
+            array[self.jumps_across_cut] = 0.0
         self.hold_scalars()
         self.take(self.state)
 
@@ -90,7 +95,7 @@ class BodySystem(System):
     def take(self, state: PETSc.Vec) -> None:
         """A vector of unknowns into the displacement function and the jumps; collective."""
         function = self.problem.displacement.x
-        function.array[: self._owned_size] = state.array_r[: self._owned_size]
+        function.array[: self._owned_size] = self.displacements(state)
         function.scatter_forward()
         scalars = self.scalar_values(state)
         moved = self.problem.moved_by_scalars(self.problem.of_body_scalars(scalars))
@@ -101,6 +106,13 @@ class BodySystem(System):
             contact.kinematics.relative(displacement) for contact in self.problem.contacts
         ]
         self.move_contacts(at_surfaces, scalars)
+
+    def displacements(self, state: PETSc.Vec) -> Array:
+        """Those of this rank's own dofs, of a vector of unknowns; collective."""
+        return np.asarray(state.array_r[: self._owned_size])
+
+    def onto_unknowns(self, forces: PETSc.Vec) -> None:
+        """Forces on displacements as forces on the unknowns, in place; collective."""
 
     def _nodal_displacement(self) -> Array:
         """The present displacement, shape (nodes, components), ghosts included."""
@@ -116,6 +128,9 @@ class BodySystem(System):
         with residual as array:
             array += contacts
             array[: self._owned_size] -= self.problem.load.reshape(-1)[: self._owned_size]
+        self.onto_unknowns(residual)
+        with residual as array:
+            array[self.jumps_across_cut] = 0.0
             held = np.abs(array[self.held]).sum()
             array[self.held] = 0.0  # they hold their values exactly
             for number in self.held_scalars if self.comm.rank == 0 else ():
@@ -174,15 +189,46 @@ class FullSystem(BodySystem):
         self.tangent = self._system.stiffness.duplicate(copy=True)
         self.state, self.residual = self.tangent.createVecs()
         self._work = self.state.duplicate()
+        self._transform: SectorTransform | None = None
+        if problem.discrete.cut is not None:
+            self._eliminate(problem.discrete.cut)
         self.factorisations = 0
         self._free_motions = free_motions(problem)
         self.is_sprung = bool(self._free_motions)
 
+    def _eliminate(self, cut: CutFaces) -> None:
+        """Take unknowns by which the cut faces of a sector move alike; collective."""
+        self._transform = SectorTransform(cut, self._system.stiffness, self.problem.spaces)
+        self.jumps_across_cut = self._transform.slaves
+        self._of_displacements = self.tangent  # that of displacements, which forces follow
+        self.tangent = self._of_displacements.PtAP(self._transform.matrix)
+        self._moved, self._taken = self.state.duplicate(), self.state.duplicate()
+
     def destroy(self) -> None:
         """Free PETSc's objects."""
         self._system.destroy()
-        for thing in (self.tangent, self.state, self.residual, self._work):
+        things = [self.tangent, self.state, self.residual, self._work]
+        if self._transform is not None:
+            things += [self._transform, self._of_displacements, self._moved, self._taken]
+        for thing in things:
             thing.destroy()
+
+    def displacements(self, state: PETSc.Vec) -> Array:
+        """Those of this rank's own dofs, of a vector of unknowns; collective."""
+        return super().displacements(self._all(state))
+
+    def _all(self, state: PETSc.Vec) -> PETSc.Vec:
+        """Displacements, mean stresses and scalars of a vector of unknowns; collective."""
+        if self._transform is None:
+            return state
+        self._transform.matrix.mult(state, self._moved)
+        return self._moved
+
+    def onto_unknowns(self, forces: PETSc.Vec) -> None:
+        """Forces on displacements as forces on the unknowns, in place; collective."""
+        if self._transform is not None:
+            self._transform.matrix.multTranspose(forces, self._taken)
+            self._taken.copy(forces)
 
     def prepare(self, snes: PETSc.SNES) -> None:
         """Nothing: the options say it all."""
@@ -190,7 +236,7 @@ class FullSystem(BodySystem):
     def linearise(self, state: PETSc.Vec, springs: float = 0.0) -> None:
         """Add the contacts' tangents to a copy of K; collective."""
         self.take(state)
-        tangent = self.tangent
+        tangent = self.tangent if self._transform is None else self._of_displacements
         self._system.stiffness.copy(tangent, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         for contact in self.problem.contacts:
             contact.follow()
@@ -201,8 +247,11 @@ class FullSystem(BodySystem):
             for row, stiffness in zip(*self._sprung, strict=True):
                 tangent.setValue(row, row, springs * stiffness, addv=PETSc.InsertMode.ADD_VALUES)
         tangent.assemble()
+        if self._transform is not None:
+            tangent = tangent.PtAP(self._transform.matrix, result=self.tangent)
         first, _ = tangent.getOwnershipRange()
-        rows = (first + self.held).astype(PETSc.IntType)
+        held = np.union1d(self.held, self.jumps_across_cut)
+        rows = (first + held).astype(PETSc.IntType)
         rows = np.concatenate([rows, self._system.held_rows(tangent)])
         tangent.zeroRowsColumns(rows, diag=1.0)
         self._system.tie_prescribed(tangent)
@@ -245,7 +294,7 @@ class FullSystem(BodySystem):
 
     def internal_forces(self, state: PETSc.Vec, forces: PETSc.Vec) -> None:
         """K u and what a mean stress and scalars add; collective."""
-        self._system.stiffness.mult(state, forces)
+        self._system.stiffness.mult(self._all(state), forces)
 
     def finish(self) -> FindBody:
         """Displacement and K u at the nodes; the mean stress into its function; collective."""

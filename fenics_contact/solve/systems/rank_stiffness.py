@@ -16,12 +16,14 @@ from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.motion_states import StepStiffness
+from fenics_contact.solve.systems.cut_transform import RankTransform
 
 
 class LocalStiffness:
     """K, or [[K, Bᵀ], [B, −C]] with a mean stress, of this rank's cells.
 
-    Its unknowns are those that its cells touch: displacements, then mean stresses.
+    Its unknowns are those that its cells touch: displacements, then mean stresses. Of a sector of
+    a ring they are those of ``RankTransform``.
 
     Attributes:
         matrix: Sparse, (unknowns, unknowns) (force/length).
@@ -62,6 +64,35 @@ class LocalStiffness:
         self._stresses = touched[touched >= sizes[0]] - sizes[0]
         if step is not None:
             self.matrix = csr_matrix(step.of_bulk * self.matrix + self._at_nodes(step.nodal))
+        self._of_cells, self._transform = self.matrix, self._across_cut()
+
+    def _across_cut(self) -> RankTransform | None:
+        """Take unknowns by which the cut faces of a sector move alike; collective."""
+        cut = self._discrete.cut
+        if cut is None:
+            return None
+        count = len(self.displacements)
+        found = RankTransform(cut, self.numbers, count, self._discrete.spaces)
+        self.matrix = csr_matrix(found.matrix.T @ self.matrix @ found.matrix)
+        self.matrix.sort_indices()
+        self.numbers = np.concatenate([self.numbers, found.others])
+        self.shared = np.concatenate([self.shared, np.ones(len(found.others), dtype=bool)])
+        self.shared |= np.isin(self.numbers, found.shared)
+        return found
+
+    def held(self, constrained: Flags) -> Flags:
+        """Which unknowns are held, of those that supports hold, or as jumps; collective.
+
+        Args:
+            constrained: Which displacement dofs of this rank supports hold.
+        """
+        found = np.zeros(len(self._sharers), dtype=bool)
+        found[: len(self.displacements)] = constrained[self.displacements]
+        return found if self._transform is None else self._transform.held(found, constrained)
+
+    def _of_own(self, values: Array) -> Array:
+        """Displacements and mean stresses of this rank's cells, of values of the unknowns."""
+        return values if self._transform is None else np.asarray(self._transform.matrix @ values)
 
     def _at_nodes(self, blocks: Array) -> csr_matrix:
         """This rank's share of a matrix that couples the displacements of single nodes."""
@@ -79,11 +110,15 @@ class LocalStiffness:
         """Where each unknown is (unknowns, 3) (length), and which one of its node it is."""
         spaces, mixed = self._discrete.spaces, self._discrete.elastic.mixed
         nodes, kinds = np.divmod(self.displacements, spaces.components)
-        if mixed is None:
-            return spaces.coordinates[nodes], kinds
-        stresses = mixed.mean_stress.function_space.tabulate_dof_coordinates()[self._stresses]
-        last = np.full(len(self._stresses), spaces.components)
-        return np.vstack([spaces.coordinates[nodes], stresses]), np.concatenate([kinds, last])
+        found = [(spaces.coordinates[nodes], kinds)]
+        if mixed is not None:
+            every = mixed.mean_stress.function_space.tabulate_dof_coordinates()
+            last = np.full(len(self._stresses), spaces.components)
+            found.append((every[self._stresses], last))
+        if self._transform is not None:
+            found.append(self._transform.places)
+        places, which = (np.concatenate(part) for part in zip(*found, strict=True))
+        return places, which
 
     def share(self, nodal: Array, on_mean_stress: Array | None = None) -> Array:
         """This rank's share of forces, at its unknowns.
@@ -92,15 +127,24 @@ class LocalStiffness:
             nodal: On displacements, (nodes, components).
             on_mean_stress: On mean stresses, at all dofs of this rank; None for none.
         """
-        found = np.zeros(len(self.numbers))
+        found = np.zeros(len(self._sharers))
         count = len(self.displacements)
         found[:count] = nodal.reshape(-1)[self.displacements] / self._sharers[:count]
         if on_mean_stress is not None and len(on_mean_stress):
             found[count:] = on_mean_stress[self._stresses] / self._sharers[count:]
-        return found
+        if self._transform is None:
+            return found
+        return np.asarray(self._transform.matrix.T @ found)
 
     def whole(self, share: Array) -> Array:
-        """Forces of which each rank has its share, at the nodes; collective."""
+        """Forces on the unknowns of which each rank has its share, at the nodes; collective."""
+        found = self._summed(share)
+        if self._transform is None:
+            return found
+        return found + self._transform.of_others(share, found.shape)
+
+    def _summed(self, share: Array) -> Array:
+        """The same of displacements of this rank's own cells; collective."""
         spaces = self._discrete.spaces
         found = np.zeros(spaces.coordinates.shape[0] * spaces.components)
         found[self.displacements] = share[: len(self.displacements)]
@@ -108,7 +152,7 @@ class LocalStiffness:
 
     def nodal(self, values: Array) -> Array:
         """Displacements among values of the unknowns, at the nodes; collective."""
-        return self.whole(values / self._sharers)
+        return self._summed(self._of_own(values) / self._sharers)
 
     def load(self, nodal: Array, supported: Array, held: Flags) -> Array:
         """This rank's share of a load, with what supports at given displacements add.
@@ -126,16 +170,16 @@ class LocalStiffness:
         return found
 
     def at_unknowns(self, nodal: Array) -> Array:
-        """Nodal displacements (nodes, components) at its unknowns, no mean stress."""
-        found = np.zeros(len(self.numbers))
-        found[: len(self.displacements)] = nodal.reshape(-1)[self.displacements]
-        return found
+        """Nodal displacements (nodes, components) at its unknowns, no mean stress; collective."""
+        found, flat = np.zeros(len(self._sharers)), nodal.reshape(-1)
+        found[: len(self.displacements)] = flat[self.displacements]
+        return found if self._transform is None else self._transform.unknowns(found, flat)
 
     def at_nodes(self, values: Array) -> Array:
         """Displacements of all nodes of this rank from those at its unknowns; collective."""
         spaces = self._discrete.spaces
         found = np.zeros(len(spaces.coordinates) * spaces.components)
-        found[self.displacements] = values[: len(self.displacements)]
+        found[self.displacements] = self._of_own(values)[: len(self.displacements)]
         index_map = spaces.displacement_space.dofmap.index_map
         return of_owners(index_map, found.reshape(-1, spaces.components))
 
@@ -145,28 +189,29 @@ class LocalStiffness:
         if mixed is None:
             return np.zeros(0)
         found = fem.Function(mixed.mean_stress.function_space)
-        _set(found, self._stresses, values[len(self.displacements) :])
+        _set(found, self._stresses, self._of_own(values)[len(self.displacements) :])
         return np.array(found.x.array)
 
     def forces(self, values: Array) -> Array:
         """K u at the nodes, (nodes, components), of all ranks' cells; collective."""
-        return self.whole(self.matrix @ values)
+        return self._summed(self._of_cells @ self._of_own(values))
 
     def round_off(self, values: Array) -> float:
         """20 × machine epsilon × ‖|K| |u|‖₁ (force); collective."""
-        left = float(self._column_sums @ np.abs(values))
+        left = float(self._column_sums @ np.abs(self._of_own(values)))
         return float(20 * np.finfo(float).eps * total(self.comm, left))
 
     @cached_property
     def _column_sums(self) -> Array:
         """Σ |K_ij| over the displacements' rows i, of each unknown."""
-        last = self.matrix.indptr[len(self.displacements)]
-        columns, sizes = self.matrix.indices[:last], np.abs(self.matrix.data[:last])
-        return np.bincount(columns, sizes, self.matrix.shape[1])
+        matrix = self._of_cells
+        last = matrix.indptr[len(self.displacements)]
+        columns, sizes = matrix.indices[:last], np.abs(matrix.data[:last])
+        return np.bincount(columns, sizes, matrix.shape[1])
 
     def set_functions(self, values: Array) -> None:
         """Values of the unknowns into displacement and mean stress; collective."""
-        count = len(self.displacements)
+        count, values = len(self.displacements), self._of_own(values)
         _set(self._discrete.displacement, self.displacements, values[:count])
         mixed = self._discrete.elastic.mixed
         if mixed is not None:

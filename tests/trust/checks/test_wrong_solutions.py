@@ -36,6 +36,7 @@ from fenics_contact.verification.boxes import Box, boxes
 from tests.contact.shuffled import Shuffled
 from tests.preload.joints import joint
 from tests.preload.test_joint import scene as bolted_joint
+from tests.problem.sectors import sector
 from tests.problem.test_couplings import block as divided
 from tests.problem.test_couplings import punch
 from tests.report.page.pages import page_of
@@ -120,6 +121,11 @@ def punched():
     return Run(punch(), COMM, divided(6))
 
 
+def ringed():
+    """One sector of a hub on a shaft."""
+    return sector()
+
+
 def driven():
     return indented(obstacle=dataclasses.replace(PARABOLA, indentation=None, force=10.0))
 
@@ -165,7 +171,7 @@ def stacked():
     return held_by_contacts(friction_coefficient=0.5)
 
 
-RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged, punched)
+RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged, punched, ringed)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -289,6 +295,22 @@ def stretched(prepared, monkeypatch):
     return with_body(prepared.solution, displacement=moved)
 
 
+def moved_apart(prepared, monkeypatch):
+    """One cut face moves by 1e-6 more than the other."""
+    cut = prepared.problem.discrete.cut
+    moved = prepared.solution.displacement.copy()
+    moved.reshape(-1)[cut.slaves.local] *= 1 + 1e-6
+    return with_body(prepared.solution, displacement=moved)
+
+
+def pulled_at_the_cut(prepared, monkeypatch):
+    """One cut face gets a little more than the other gives."""
+    cut = prepared.problem.discrete.cut
+    internal = prepared.solution.internal_force.copy()
+    internal.reshape(-1)[cut.slaves.local] *= 1 + 1e-5
+    return with_body(prepared.solution, internal_force=internal)
+
+
 def handed_over_elsewhere(prepared, monkeypatch):
     """A projection with shuffled columns: resultants balance, moments do not."""
     pairing = prepared.problem.contacts[0].kinematics.pairing
@@ -322,6 +344,8 @@ BROKEN = {
     ("stabilisation", ""): (loose, pushed_where_held),
     ("preload", ""): (tightened, stretched),
     ("coupling", ""): (punched, stretched),
+    ("cyclic_symmetry", "motion"): (ringed, moved_apart),
+    ("cyclic_symmetry", "forces"): (ringed, pulled_at_the_cut),
     ("action_and_reaction", ""): (stacked, handed_over_elsewhere),
     ("boundary_stress", ""): (strip, stress(0.5)),
     ("unseen_contact", ""): (between_points, lambda prepared, _: prepared.solution),

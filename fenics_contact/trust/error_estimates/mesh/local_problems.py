@@ -361,6 +361,8 @@ def _held_facets(problem: Problem) -> NDArray[np.int32]:
     names = [support.on for support in scene.support if not support.is_elastic]
     names += list(scene.symmetry)
     names += [] if scene.half_space is None else list(scene.half_space.on)
+    sector = scene.cyclic_symmetry
+    names += [] if sector is None else [sector.on, sector.against]
     groups = [spaces.body.group(name, "support") for name in names]
     parts = [spaces.facets(g) for g in groups if g.dimension == spaces.body.dimension - 1]
     facets = np.unique(np.concatenate([np.zeros((0, 2), dtype=np.int32), *parts]), axis=0)

@@ -1,0 +1,241 @@
+"""The condition between the cut faces of a sector: u(R x) = R u(x), R a turn by 2π/sectors.
+
+The displacement of one face, ``on``, follows from that of the other, so that it has no unknowns of
+its own: solvers eliminate it. With u = C u' of all dofs of ``on``, forces on these act on the other
+face by Cᵀ. Where the face ends on the axis, u = R u leaves motions along the axis alone.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
+
+from fenics_contact.body.cyclic.gathered_dofs import GatheredDofs
+from fenics_contact.body.cyclic.matching import FaceNodes, matched_nodes
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.parallel import gather_rows, largest, total
+from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
+
+# Of an entry of a turn: round-off of a sine or cosine that is 0.
+_NONE = 1e-14
+# Of the largest displacement of supports.
+_SAME_VALUE = 1e-9
+# Of the extent of the faces: how near the axis a node is on it.
+_ON_AXIS = 1e-9
+
+
+class CutFaces:
+    """The cut faces of a sector, and how the displacement of one follows from that of the other.
+
+    Attributes:
+        given: What the scene says.
+        axis: Unit vector along the axis, (3,).
+        centre: A point of it, (3,) (length).
+        rotation: R, which takes ``against`` to ``on``, (components, components).
+        slaves: The dofs that follow: those of ``on``.
+        masters: Those that they follow from.
+        matrix: C, (slaves, masters).
+
+    Args:
+        given: What the scene says.
+        spaces: Those of the body.
+
+    Raises:
+        InputError: The faces are no turned copies of each other.
+    """
+
+    def __init__(self, given: CyclicSymmetry, spaces: Spaces) -> None:
+        self.given, self._spaces = given, spaces
+        size = spaces.components
+        along = np.array((0.0, 0.0, 1.0) if given.axis is None else given.axis, dtype=np.float64)
+        self.axis = along / np.linalg.norm(along)
+        self.centre = np.zeros(3)
+        self.centre[:size] = 0.0 if given.at is None else given.at
+        on, against = self._nodes("on", given.on), self._nodes("against", given.against)
+        self._extent = max(float(self._distances(face.places).max()) for face in (on, against))
+        turn, pairs = matched_nodes(given, self.axis, self.centre, (on, against))
+        self.rotation = np.where(np.abs(turn) < _NONE, 0.0, turn)[:size, :size]
+        self._pairs = self._off_axis(on, against, pairs)
+        rows, columns, values = self._entries()
+        self.slaves = GatheredDofs(np.unique(rows), spaces)
+        acting = columns >= 0
+        self.masters = GatheredDofs(np.unique(columns[acting]), spaces)
+        places = (
+            np.searchsorted(self.slaves.numbers, rows[acting]),
+            np.searchsorted(self.masters.numbers, columns[acting]),
+        )
+        shape = (len(self.slaves.numbers), len(self.masters.numbers))
+        self.matrix = csr_matrix(coo_matrix((values[acting], places), shape=shape))
+
+    def _nodes(self, side: str, name: str) -> FaceNodes:
+        """The nodes of a face; collective."""
+        spaces = self._spaces
+        nodes = spaces.nodes(spaces.body.boundary(name, f"cyclic_symmetry.{side}"))
+        own = nodes[nodes < spaces.owned_nodes]
+        index_map = spaces.displacement_space.dofmap.index_map
+        numbers = np.asarray(index_map.local_to_global(own), dtype=np.int64)
+        numbers = gather_rows(spaces.comm, numbers)
+        known = spaces.coordinates[own], spaces.parts.of_node[own]
+        return FaceNodes(numbers, *(gather_rows(spaces.comm, one) for one in known))
+
+    def _distances(self, places: Array) -> Array:
+        """From the axis, (places,) (length)."""
+        arms = places - self.centre
+        return np.asarray(np.linalg.norm(arms - np.outer(arms @ self.axis, self.axis), axis=1))
+
+    def _off_axis(self, on: FaceNodes, against: FaceNodes, pairs: Integers) -> Integers:
+        """Numbers of each slave node and its master, (pairs, 2), without those on the axis."""
+        on_axis = self._distances(on.places) <= _ON_AXIS * self._extent
+        self._on_axis = on.numbers[on_axis]
+        return np.column_stack([on.numbers, against.numbers[pairs]])[~on_axis]
+
+    def _entries(self) -> tuple[Integers, Integers, Array]:
+        """Rows, columns and values of C by the numbers of dofs; −1 for a column of none."""
+        size = self._spaces.components
+        i, j = (part.ravel() for part in np.indices((size, size)))
+        acts = self.rotation[i, j] != 0
+        i, j = i[acts], j[acts]
+        slaves, masters = self._pairs.T
+        rows, columns = slaves[:, None] * size + i, masters[:, None] * size + j
+        values = np.broadcast_to(self.rotation[i, j], rows.shape)
+        # On the axis only motions along it are left: components follow from the largest of it.
+        first = int(np.abs(self.axis[:size]).argmax())
+        others = np.array([k for k in range(size) if size == 2 or k != first])
+        along = 0.0 if size == 2 else self.axis[others] / self.axis[first]
+        held = self._on_axis[:, None] * size + others
+        ahead = np.where(np.broadcast_to(along, held.shape) != 0, held - others + first, -1)
+        found = (
+            (rows, held),
+            (columns, ahead),
+            (values, np.broadcast_to(along, held.shape)),
+        )
+        row, column, value = (np.concatenate([p.ravel() for p in parts]) for parts in found)
+        return row.astype(np.int64), column.astype(np.int64), value.astype(np.float64)
+
+    @property
+    def is_slave(self) -> Flags:
+        """Flags of this rank's displacement dofs that follow, owned and ghost, (dofs,)."""
+        found = np.zeros(len(self._spaces.coordinates) * self._spaces.components, dtype=bool)
+        found[self.slaves.local] = True
+        return found
+
+    @cached_property
+    def nodes(self) -> Flags:
+        """Flags of this rank's nodes with a dof that follows, or that others follow, (nodes,)."""
+        found = self.is_slave
+        found[self.masters.local] = True
+        return np.asarray(found.reshape(-1, self._spaces.components).any(axis=1))
+
+    def followed(self, nodal: Array) -> Array:
+        """Displacements with those that follow brought to where they belong; collective.
+
+        Args:
+            nodal: (nodes, components) (length).
+        """
+        found = nodal.reshape(-1).copy()
+        self.slaves.place(self.matrix @ self.masters.gathered(found), found)
+        return found.reshape(nodal.shape)
+
+    def jumps(self, fields: Array) -> Array:
+        """U − C u' at the slaves, (slaves, …), the same on every rank; collective.
+
+        Args:
+            fields: At this rank's nodes, (nodes, components, …).
+        """
+        flat = fields.reshape(-1, *fields.shape[2:])
+        return np.asarray(self.slaves.gathered(flat) - self.matrix @ self.masters.gathered(flat))
+
+    def forces(self, needed: Array) -> Array:
+        """Forces f across the cut, −Cᵀ f on the other face, (nodes, components); collective.
+
+        Args:
+            needed: Forces that the body needs at its nodes beside loads and contacts, likewise
+                (force).
+        """
+        found = np.zeros(needed.size)
+        on = self.slaves.gathered(needed.reshape(-1))
+        self.masters.place(-(self.matrix.T @ on), found)
+        self.slaves.place(on, found)
+        return found.reshape(needed.shape)
+
+    def folded(self, nodal: Array) -> Array:
+        """Forces with those on what follows taken to what it follows from; collective.
+
+        Args:
+            nodal: (nodes, components) (force).
+        """
+        return nodal - self.forces(nodal)
+
+    def require_held_alike(self, constrained: Integers, prescribed: Array) -> None:
+        """Refuse supports that hold points of ``on`` otherwise than those of the other; collective.
+
+        Args:
+            constrained: Dofs that supports hold (local indices, owned and ghost).
+            prescribed: Their displacements (length).
+
+        Raises:
+            InputError: They do; on every rank.
+        """
+        flat = np.zeros((len(self._spaces.coordinates) * self._spaces.components, 2))
+        flat[constrained] = np.column_stack([np.ones(len(constrained)), prescribed])
+        held, moved = self.slaves.gathered(flat).T
+        ahead, others = self.masters.gathered(flat).T
+        loose = (np.abs(self.matrix) @ (1 - ahead)) > 0
+        off = np.abs(moved - self.matrix @ others)
+        scale = largest(self._spaces.comm, np.abs(prescribed))
+        if ((held > 0) & (loose | (off > _SAME_VALUE * scale))).any():
+            raise InputError(
+                f"cyclic_symmetry: supports hold points of '{self.given.on}' otherwise than those "
+                f"of '{self.given.against}', turned; hold all components on both, or give "
+                "axes.cylindrical"
+            )
+
+    def exchanged(self, nodal: Array) -> Array:
+        """What the other face adds to values at nodes of the cut, turned, (nodes, …); collective.
+
+        Args:
+            nodal: At this rank's nodes, (nodes, columns): vectors (components), then scalars.
+        """
+        size, width = self._spaces.components, nodal.shape[1]
+        numbers = np.unique(self._pairs)
+        index_map = self._spaces.displacement_space.dofmap.index_map
+        local = index_map.global_to_local(numbers)
+        own = (local >= 0) & (local < self._spaces.owned_nodes)
+        values = np.zeros((len(numbers), width))
+        values[own] = nodal[local[own]]
+        values = np.asarray(total(self._spaces.comm, values))
+        slave, master = (np.searchsorted(numbers, one) for one in self._pairs.T)
+        added = np.zeros_like(values)
+        added[slave], added[master] = values[master], values[slave]
+        added[slave, :size] = values[master, :size] @ self.rotation.T
+        added[master, :size] = values[slave, :size] @ self.rotation
+        found = np.zeros_like(nodal)
+        found[local[local >= 0]] = added[local >= 0]
+        return found
+
+    def mismatch(self, displacement: Array) -> float:
+        """Largest jump between the faces, over the largest displacement of them; collective.
+
+        Args:
+            displacement: At this rank's nodes, (nodes, components) (length).
+        """
+        size = largest(self._spaces.comm, np.abs(displacement[self.nodes]))
+        return float(np.abs(self.jumps(displacement)).max(initial=0.0)) / (size or 1.0)
+
+    @property
+    def words(self) -> str:
+        """Part of the whole that is modelled, in words."""
+        about = "z" if self.given.axis is None else _named(self.axis)
+        return f"1 of {self.given.sectors} sectors about {about}"
+
+
+def _named(axis: Array) -> str:
+    """An axis in words."""
+    for number, name in enumerate("xyz"):
+        if abs(axis[number]) > 1 - _NONE:
+            return name
+    return f"({', '.join(f'{x:.6g}' for x in axis)})"

@@ -1,0 +1,114 @@
+"""Which nodes of the cut faces of a sector are each other's, once one face is turned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.errors import InputError
+from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
+
+# Of the extent of the faces: how far nodes of turned copies may be apart.
+_SAME = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class FaceNodes:
+    """The nodes of a cut face, on every rank.
+
+    Attributes:
+        numbers: Over all ranks, (nodes,).
+        places: (nodes, 3) (length).
+        parts: The connected part of the body that each belongs to, (nodes,).
+    """
+
+    numbers: Integers
+    places: Array
+    parts: Integers
+
+
+def matched_nodes(
+    given: CyclicSymmetry, axis: Array, centre: Array, faces: Sequence[FaceNodes]
+) -> tuple[Array, Integers]:
+    """The turn that takes ``against`` to ``on``, and which node it takes to each of ``on``.
+
+    Args:
+        given: What the scene says.
+        axis: Unit vector, (3,).
+        centre: A point of the axis, (3,) (length).
+        faces: The nodes of ``on`` and ``against``.
+
+    Returns:
+        R, (3, 3), and places in the list of nodes of ``against``, (nodes of on,).
+
+    Raises:
+        InputError: No turn by 2π/sectors takes one face to the other, or not node to node.
+    """
+    on, against = (face.places for face in faces)
+    extent = float(np.linalg.norm(np.ptp(np.concatenate([on, against]), axis=0)))
+    tries = []
+    for sign in (1.0, -1.0):
+        turn = turned(axis, sign * 2 * np.pi / given.sectors)
+        moved = centre + (against - centre) @ turn.T
+        tries.append((*_nearest((on, faces[0].parts), (moved, faces[1].parts), extent), turn))
+    off, pairs, turn = min(tries, key=lambda one: one[0])
+    if off > _SAME * extent or len(np.unique(pairs)) < max(len(on), len(against)):
+        raise InputError(
+            f"cyclic_symmetry.against = '{given.against}': turned by {given.angle:.6g} degrees, "
+            f"nodes of it are up to {off:.3g} away from those of '{given.on}', which stands "
+            f"{_apart(axis, centre, on, against):.6g} degrees from it; the two cut faces must be "
+            "turned copies of each other, node by node"
+        )
+    return turn, pairs
+
+
+# Places, (nodes, 3), and the connected part of each node, (nodes,).
+_Nodes = tuple[Array, Integers]
+
+
+def _nearest(one: _Nodes, other: _Nodes, extent: float) -> tuple[float, Integers]:
+    """The nearest node of another set to each of one, in the same part of the body if there is.
+
+    Bodies that touch have nodes at the same place.
+
+    Args:
+        one: Nodes.
+        other: Those to look among.
+        extent: Of both (length).
+
+    Returns:
+        How far a node of either set is from the other at most (length), and places in the other.
+    """
+    from scipy.spatial import cKDTree  # takes long to load, and few scenes need it
+
+    found = []
+    for apart in (extent, 0.0):
+        here, there = (np.column_stack([x, apart * parts]) for x, parts in (one, other))
+        away, nearest = cKDTree(there).query(here)
+        back, _ = cKDTree(here).query(there)
+        found.append((max(float(away.max()), float(back.max())), np.asarray(nearest)))
+        if found[0][0] <= _SAME * extent:
+            break
+    return min(found, key=lambda one: one[0])
+
+
+def turned(axis: Array, angle: float) -> Array:
+    """Rotation about an axis, (3, 3) (O. Rodrigues).
+
+    Args:
+        axis: Unit vector, (3,).
+        angle: Counterclockwise about it (radian).
+    """
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+
+
+def _apart(axis: Array, centre: Array, on: Array, against: Array) -> float:
+    """Angle between the centroids of two sets of points about an axis (degrees)."""
+    arms = [places.mean(axis=0) - centre for places in (on, against)]
+    one, other = (arm - (arm @ axis) * axis for arm in arms)
+    return float(np.degrees(abs(np.arctan2(axis @ np.cross(one, other), one @ other))))
