@@ -201,7 +201,7 @@ class BodyKinematics(ContactKinematics):
     def move_to_first_contact(self) -> None:
         """Bodies stand where they are meshed."""
 
-    def displace(self, displacement: Array) -> None:
+    def displace(self, displacement: Array, angle: float = 0.0) -> None:
         """Bodies are moved by their supports."""
 
     def stand(self) -> None:

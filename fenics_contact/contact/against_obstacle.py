@@ -13,6 +13,7 @@ from fenics_contact.contact.kinematics import ContactKinematics
 from fenics_contact.contact.mortar.facet_mesh import PointFunction, lowest_points, normalised
 from fenics_contact.contact.rigid_obstacle import RigidObstacle
 from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.contact.turning import Turning
 from fenics_contact.mesh.rigid_surface import load_surface
 from fenics_contact.scene.obstacle import Obstacle
 
@@ -56,6 +57,8 @@ class ObstacleKinematics(ContactKinematics):
             surface = load_surface(obstacle.file, f"{key}.file", comm)
         kinematics = self._spaces.kinematics
         self._obstacle = RigidObstacle(obstacle, kinematics, normals, key, surface)
+        self.turning = Turning.of(obstacle.turning)
+        self.turning.require_symmetric(trace.symmetry.axes, f"{key}.rotation")
         self.direction = self._obstacle.direction
         if self._obstacle.has_axis:
             self.axis = self.direction
@@ -103,36 +106,58 @@ class ObstacleKinematics(ContactKinematics):
         return gap - self.brought_up * self.facing
 
     def _gap(self, points: Array, normals: Array) -> Array:
-        return self._gap_to(self._obstacle, self.displacement, points, normals)
+        return self._gap_to(self._obstacle, self._shape_motion, points, normals)
+
+    @property
+    def _shape_motion(self) -> Array:
+        """Displacement of the shape, and its angle, (components + 1,) (length, radian)."""
+        return np.append(self.displacement, self.shape_angle)
 
     def _gap_to(
-        self, obstacle: RigidObstacle, displacement: Array, points: Array, normals: Array
+        self, obstacle: RigidObstacle, motion: Array, points: Array, normals: Array
     ) -> Array:
-        """Gap to an obstacle that has moved aside by a displacement, (points,) (length)."""
-        aside = displacement - (normals @ displacement)[:, None] * normals
-        moved = points.astype(aside.dtype)
-        moved[:, : normals.shape[1]] -= aside
-        return obstacle.gap(moved, normals, self._spaces.position)
+        """Gap to an obstacle that has moved aside, and turned, (points,) (length).
+
+        A point that a ray meets at a distance s has moved by θ a × (x + s n − at): to the obstacle
+        as it stood at first the ray begins aside of x, and is turned the other way.
+        """
+        size, angle = normals.shape[1], motion[-1]
+        moved = motion[:-1] + angle * self.turning.field(points, size)
+        aside = moved - np.einsum("ij,ij->i", normals, moved)[:, None] * normals
+        places = points.astype(aside.dtype)
+        places[:, :size] -= aside
+        rays = normals - angle * self.turning.across(normals, size)
+        return obstacle.gap(places, rays, self._spaces.position)
 
     def gap_slopes(self, name: str, axis: int) -> Array:
         """Slopes of the gap in a number of the obstacle, by a complex step, (points,).
 
         Args:
-            name: ``radius``, ``position``, ``displacement`` or a direction.
+            name: ``radius``, ``position``, or a direction.
             axis: Of all but the first.
         """
         obstacle, points = self._obstacle, (self.trace.coordinates, self.trace.normals)
 
         def gap(value: complex) -> Array:
-            if name == "displacement":
-                displacement = self.displacement.astype(complex)
-                displacement[axis] = value
-                return self._gap_to(obstacle, displacement, *points)
             changed = obstacle.with_number(name, axis, value)
-            return self._gap_to(changed, self.displacement, *points)
+            return self._gap_to(changed, self._shape_motion, *points)
 
-        present = self.displacement[axis] if name == "displacement" else obstacle.number(name, axis)
-        return np.where(self._left_out, 0.0, slope(gap, present))
+        return np.where(self._left_out, 0.0, slope(gap, obstacle.number(name, axis)))
+
+    def gap_slopes_of_motion(self, axis: int) -> Array:
+        """Slopes of the gap in a component of the obstacle's motion, likewise.
+
+        Args:
+            axis: Of the displacement; behind these comes the angle.
+        """
+
+        def gap(value: complex) -> Array:
+            motion = self._shape_motion.astype(complex)
+            motion[axis] = value
+            points = self.trace.coordinates, self.trace.normals
+            return self._gap_to(self._obstacle, motion, *points)
+
+        return np.where(self._left_out, 0.0, slope(gap, self._shape_motion[axis]))
 
     def direction_slopes(self, name: str, axis: int) -> Array:
         """Slopes of ``direction`` in a component of what the scene gives, (components,).
@@ -182,14 +207,14 @@ class ObstacleKinematics(ContactKinematics):
         gap = self._obstacle.gap(moved, normals, self._spaces.position)
         return np.asarray(self.normal(jump)[slid] - gap)
 
-    def displace(self, displacement: Array) -> None:
-        """Move the obstacle, and its gap with it.
+    def displace(self, displacement: Array, angle: float = 0.0) -> None:
+        """Move the obstacle, and the gap to its shape with it.
 
         The part along a normal closes the gap through the jump; the gap itself is that of
-        the obstacle moved by the part along the surface.
+        the obstacle moved by the part along the surface, and turned.
         """
-        if not np.array_equal(displacement, self.displacement):
-            self.displacement = displacement
+        if not np.array_equal(np.append(displacement, angle), self._shape_motion):
+            self.displacement, self.shape_angle = displacement, angle
             self._measured = np.where(self._left_out, np.inf, self._whole())
         self.stand()
 
@@ -238,7 +263,7 @@ class ObstacleKinematics(ContactKinematics):
 
     def between_points(self, displacement: Array) -> BetweenPoints:
         """Where facets are deepest in the obstacle, between their points."""
-        mesh, jump = self.facets, displacement[self.trace.all_nodes] - self.motion
+        mesh, jump = self.facets, displacement[self.trace.all_nodes] - self.motion_at_nodes
         worn = self.trace.at_all_nodes(self.worn[: len(self.trace.nodes)])[:, None]
 
         def present_gap(facets: AnyIntegers, reference: Array) -> Array:
@@ -293,7 +318,9 @@ class ObstacleKinematics(ContactKinematics):
         distance = (self.gap - normal)[ahead] / self.facing[ahead]
         nearest = smallest(self._spaces.comm, distance)
         jump = self.jump.x.array.reshape(-1, self._spaces.components)
-        self.move(jump + self.motion, self.indentation + nearest)
+        relative = jump + self.motion_at_nodes
+        self.drive(self.indentation + nearest)
+        self.move(relative)
 
     def update_pairing(self, displacement: Array | None) -> None:
         """An obstacle is measured where it stands, whatever the body does."""

@@ -58,6 +58,7 @@ class ContactSurface:
         penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
         parameters: What the scene gives of the law across it, by its names.
         force: That drives the obstacle at present, None where none does (force).
+        moment: That turns it at present, None where none does (force × length).
         last_step: What is kept of the last load step.
         normal: The law across it.
         friction: The law along it.
@@ -90,6 +91,7 @@ class ContactSurface:
         self.moduli, self.facet_size = self.scales.moduli, self.scales.facet_size
         self.paths = ContactPaths(contact, key, named.sticks)
         self.force = None if contact.obstacle is None else contact.obstacle.force
+        self.moment = None if contact.obstacle is None else contact.obstacle.moment
         if named.pushes_only:
             self._move_to_first_contact(key)
         site = LawSite(contact, key, self.kinematics, self.scales, self.paths)
@@ -196,9 +198,14 @@ class ContactSurface:
         self.force = self.paths.force(time)
         if self.force is None:
             kinematics.drive(self.paths.indentation(time))
+        self.moment = self.paths.moment(time)
+        if self.moment is None:
+            kinematics.turn(self.paths.angle(time))
         moved = self.paths.displacement(time)
-        if moved is not None:
-            kinematics.displace(moved)
+        if moved is not None or kinematics.turning.axis.any():
+            shift = kinematics.displacement if moved is None else moved
+            angle = kinematics.angle if self.moment is None else kinematics.last_angle
+            kinematics.displace(shift, angle)
         elif self.force is None:
             kinematics.stand()
 
@@ -251,6 +258,7 @@ class ContactSurface:
         state = self.state()
         self.wear.advance(state)  # before the step is the last one, from whose end it goes
         self.last_step.advance(state, self.kinematics.gap, self.work.in_step(state))
+        self.kinematics.follow_turn()
         self.normal.advance(state)
         self.friction.advance(state)
         self.friction.accept(state.slip)
@@ -275,6 +283,27 @@ class ContactSurface:
         obstacle = self.contact.obstacle
         is_driven = obstacle is not None and obstacle.force is not None
         return is_driven and not self.normal.pressure_is_known
+
+    @property
+    def has_unknown_angle(self) -> bool:
+        """Whether the obstacle's angle is an unknown, as a moment turns it."""
+        return self.moment is not None and not self.normal.pressure_is_known
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether a force or a moment drives the obstacle, so that its place is found."""
+        return self.has_unknown_position or self.has_unknown_angle
+
+    @property
+    def known_motion(self) -> Array:
+        """Motion of the obstacle besides what is found, (components + 1,) (length, radian)."""
+        kinematics = self.kinematics
+        found = kinematics.motion
+        if self.has_unknown_position:
+            found[:-1] = kinematics.displacement
+        if self.has_unknown_angle:
+            found[-1] = 0.0
+        return found
 
     @property
     def can_shear(self) -> bool:

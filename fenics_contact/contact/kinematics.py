@@ -14,11 +14,12 @@ import numpy as np
 from dolfinx import fem
 
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.common.parallel import smallest
+from fenics_contact.common.parallel import largest, smallest
 from fenics_contact.contact.between_points import BetweenPoints, missed_by_facets, require_smooth
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh
 from fenics_contact.contact.mortar.pairing import Pairing, own_facets
 from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.contact.turning import Turning
 
 # Of the lengths that a gap is a difference of: an overlap of no more is round-off.
 ROUND_OFF = 32 * float(np.finfo(float).eps)
@@ -41,6 +42,11 @@ class ContactKinematics(ABC):
         brought_up: How far it was brought up to the surface beforehand, under a force: so
             that depths are no differences of long distances (length).
         displacement: How far it has moved besides, (components,) (length).
+        turning: The axis about which an obstacle turns.
+        angle: By how much it has turned at present (radian).
+        shape_angle: The angle at which the gap to its shape is measured (radian).
+        last_angle: The angle at the end of the last load step: where a moment turns an obstacle,
+            the gap to its shape is measured at this one (radian).
         faces_body: Whether a deformable surface stands opposite, not a rigid obstacle.
         pairing: The deformable body opposite, None against an obstacle.
         axis: The obstacle's own, ``direction``; None where it has none but the surface's.
@@ -61,6 +67,8 @@ class ContactKinematics(ABC):
         self.brought_up = 0.0
         self.displacement = np.zeros(self._spaces.components)
         self.direction = np.zeros(self._spaces.components)
+        self.turning = Turning.of(None)
+        self.angle = self.shape_angle = self.last_angle = 0.0
         self.gap = self._drawn = np.zeros(len(trace.weights))
         self.interference, self.worn = 0.0, np.zeros(len(trace.weights))
         self._places = trace.coordinates
@@ -132,11 +140,12 @@ class ContactKinematics(ABC):
         """Take an obstacle to where it first touches the undeformed surface; collective."""
 
     @abstractmethod
-    def displace(self, displacement: Array) -> None:
-        """Move an obstacle, and its gap with it.
+    def displace(self, displacement: Array, angle: float = 0.0) -> None:
+        """Move an obstacle, and the gap to its shape with it.
 
         Args:
             displacement: From where it stood at first, (components,) (length).
+            angle: That it has turned by since (radian).
         """
 
     @abstractmethod
@@ -237,6 +246,29 @@ class ContactKinematics(ABC):
         """How squarely the obstacle is driven onto each point, −m·n."""
         return np.asarray(-self.trace.normals @ self.direction)
 
+    def turn(self, angle: float) -> None:
+        """Turn the obstacle, but not the gap to its shape; the jump follows with ``move``.
+
+        Args:
+            angle: From how it stood at first (radian).
+        """
+        self.angle = angle
+
+    def turn_back(self, angle: float, shape_angle: float) -> None:
+        """Take an obstacle back to how it had turned at the end of a load step.
+
+        Args:
+            angle: That of the obstacle (radian).
+            shape_angle: That at which the gap to its shape was measured (radian).
+        """
+        self.angle, self.last_angle = angle, shape_angle
+        if shape_angle != self.shape_angle:
+            self.displace(self.displacement, shape_angle)
+
+    def follow_turn(self) -> None:
+        """A load step is done: the next one measures the gap at the angle that it ended with."""
+        self.last_angle = self.angle
+
     def drive(self, indentation: float) -> None:
         """Bring the obstacle in by a depth; the jump follows with the next ``move``.
 
@@ -245,16 +277,13 @@ class ContactKinematics(ABC):
         """
         self.indentation = indentation
 
-    def move(self, relative: Array, indentation: float | None = None) -> None:
+    def move(self, relative: Array) -> None:
         """Set the jump.
 
         Args:
             relative: As found by ``relative``, (nodes, components) (length).
-            indentation: How far the obstacle is driven; by default as before (length).
         """
-        if indentation is not None:
-            self.indentation = indentation
-        jump = relative - self.motion
+        jump = relative - self.motion_at_nodes
         self.jump.x.array[:] = jump.reshape(-1)
         self._at_points = None
 
@@ -276,9 +305,61 @@ class ContactKinematics(ABC):
         return vectors - self.normal(vectors)[:, None] * normals
 
     @property
-    def motion(self) -> Array:
+    def translation(self) -> Array:
         """How far what stands opposite has moved by itself, (components,) (length)."""
         return self.indentation * self.direction + self.displacement
+
+    @property
+    def motion(self) -> Array:
+        """The same, and the angle that it has turned by, (components + 1,) (length, radian)."""
+        return np.append(self.translation, self.angle)
+
+    def field(self, motion: Array) -> Array:
+        """How far a motion takes points of the obstacle at the contact points (length).
+
+        Args:
+            motion: A translation and an angle, (components + 1,) (length, radian).
+
+        Returns:
+            Shape (points, components).
+        """
+        return np.asarray(motion[:-1] + motion[-1] * self._turned_by_unit)
+
+    @property
+    def motion_at_points(self) -> Array:
+        """How far the obstacle has moved at the contact points, (points, components) (length)."""
+        return self.field(self.motion)
+
+    @property
+    def motion_at_nodes(self) -> Array:
+        """The same at all nodes of the surface, (nodes, components) (length)."""
+        return np.asarray(self.translation + self.angle * self.turned_nodes)
+
+    @cached_property
+    def _turned_by_unit(self) -> Array:
+        """How far a unit angle moves an obstacle's points, (points, components) (length)."""
+        return self.turning.field(self.trace.coordinates, self._spaces.components)
+
+    @cached_property
+    def turned_nodes(self) -> Array:
+        """The same at all nodes of the surface, (nodes, components) (length)."""
+        return self.turning.field(self.trace.surface.coordinates, self._spaces.components)
+
+    @cached_property
+    def lever(self) -> float:
+        """Largest distance of the surface's nodes from the axis of turning (length); collective."""
+        return largest(self._spaces.comm, np.linalg.norm(self.turned_nodes, axis=1))
+
+    def wrench(self, force: Array) -> Array:
+        """Resultant of this rank's forces, and moment about the axis, (components + 1,).
+
+        Args:
+            force: On the body at the contact's nodes, (nodes, components) (force).
+        """
+        owned = self.trace.owned[: len(force)]
+        turned = self._turned_by_unit[: len(force)]
+        moment = np.sum(force[owned] * turned[owned])
+        return np.append(force[owned].sum(axis=0), moment)
 
     def without_round_off(self, gap: Array, size: float) -> Array:
         """Gaps of which an overlap that is round-off is none: bodies as drawn just touch there.
@@ -289,9 +370,9 @@ class ContactKinematics(ABC):
             gap: At the points, before anything moves (length).
             size: Largest of the lengths that it is a difference of, but for ``motion`` (length).
         """
-        motion = self.motion
-        moved = float(np.linalg.norm(motion))
-        across = self.trace.normals @ motion
+        motion = self.motion_at_points
+        moved = np.linalg.norm(motion, axis=1)
+        across = self.normal(motion)
         overlap = -across - gap
         touches = (overlap > 0) & (overlap <= ROUND_OFF * (size + moved))
         return np.where(touches, _HAIR * moved - across, gap)

@@ -54,7 +54,7 @@ def round_off(contact: ContactSurface) -> float:
     """
     jump = contact.kinematics.jump_at_points()
     lengths = np.linalg.norm(jump, axis=1)
-    lengths += float(np.linalg.norm(contact.kinematics.motion))
+    lengths += np.linalg.norm(contact.kinematics.motion_at_points, axis=1)
     pressed = np.where(
         contact.pressure() > 0, contact.normal.stiffness(contact.normal.depth(jump)), 0.0
     )

@@ -30,6 +30,7 @@ class AnswerGradient:
         jump: In the jump itself, (points, components).
         brought_up: In how far the obstacle was brought up, beside what that does to the gap.
         indentation: In how far an obstacle is driven, beside what that does to the jump.
+        angle: In how far it has turned, likewise.
         interference: In the interference, beside what that does to the gap.
         direction: In that along which an obstacle is driven, beside what that does to jump, gap and
             how far it was brought up, (components,), of all ranks.
@@ -44,6 +45,7 @@ class AnswerGradient:
     jump: Array
     brought_up: float = 0.0
     indentation: float = 0.0
+    angle: float = 0.0
     interference: float = 0.0
     direction: Array = field(default_factory=lambda: np.zeros(3))
     state: Mapping[str, Array] = field(default_factory=dict)
@@ -104,6 +106,7 @@ class GivenGradient:
         reference: In the slip that counts as none, (points, components).
         brought_up: As of ``AnswerGradient``.
         indentation: Likewise.
+        angle: Likewise.
         interference: Likewise.
         direction: Likewise.
     """
@@ -117,6 +120,7 @@ class GivenGradient:
     reference: Array
     brought_up: float
     indentation: float
+    angle: float
     interference: float
     direction: Array
 
@@ -126,13 +130,14 @@ class GivenChange:
     """How what a contact is given changes with a key of the scene; None of what does not.
 
     Attributes:
-        motion: Of what stands opposite, (components,).
+        motion: Of what stands opposite, (components,), or at the points, (points, components).
         gap: At the points, (points,).
         pressure: That is given, likewise.
         across: Parameters of the law across it, by name, likewise.
         along: Those of the law along it.
         brought_up: How far the obstacle was brought up.
         indentation: How far it is driven, where no force drives it.
+        angle: How far it turns, where no moment turns it.
         interference: The interference.
         direction: That along which the obstacle is driven, (components,).
     """
@@ -144,6 +149,7 @@ class GivenChange:
     along: Mapping[str, Array] = field(default_factory=dict)
     brought_up: float = 0.0
     indentation: float = 0.0
+    angle: float = 0.0
     interference: float = 0.0
     direction: Array | None = None
 
@@ -183,6 +189,7 @@ def vjp(contact: ContactSurface, answers: AnswerGradient) -> GivenGradient:
         reference=kinematics.tangential(friction.reference - of_way),
         brought_up=answers.brought_up,
         indentation=answers.indentation,
+        angle=answers.angle,
         interference=answers.interference,
         direction=answers.direction,
     )
@@ -196,7 +203,7 @@ def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange)
     owned = contact.trace.owned
     found = 0.0
     if change.motion is not None:
-        found -= float(gradient.jump[owned].sum(axis=0) @ change.motion)
+        found -= float(np.sum((gradient.jump * change.motion)[owned]))
     pairs = [
         (gradient.gap, change.gap),
         (gradient.pressure, change.pressure),
@@ -207,6 +214,7 @@ def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange)
     if contact.spaces.comm.rank == 0:
         found += gradient.brought_up * change.brought_up
         found += gradient.indentation * change.indentation
+        found += gradient.angle * change.angle
         found += gradient.interference * change.interference
         if change.direction is not None:
             found += float(np.sum(gradient.direction * change.direction))

@@ -171,7 +171,8 @@ class RigidObstacle:
 
         Args:
             points: Of the undeformed surface, shape (points, 3) (length).
-            normals: Outward unit normals there, shape (points, components).
+            normals: Outward unit normals there, shape (points, components); or rays of another
+                length, in whose lengths the gaps then are.
             position: x in UFL, for gaps given as functions of it.
 
         Raises:
@@ -185,7 +186,7 @@ class RigidObstacle:
         shape = self._shape
         if shape is None:
             return np.full(len(points), float(obstacle.gap or 0.0))
-        rays = np.zeros((len(points), 3))
+        rays = np.zeros((len(points), 3), normals.dtype)
         rays[:, : normals.shape[1]] = normals
         offsets = points - self._apex
         if self._along is not None:  # nothing changes along the lines of a cylinder

@@ -255,7 +255,7 @@ def slid(contact: ContactSurface) -> dict[str, float]:
 
 
 def _motion(answer: ContactAnswer) -> Mapping[str, Any]:
-    """How far an obstacle went in, and besides; nothing where there is none, or no datum."""
+    """How far an obstacle was driven, moved and turned; nothing without one, or a datum."""
     obstacle, kinematics = answer.contact.contact.obstacle, answer.contact.kinematics
     if obstacle is None:
         return {}
@@ -264,6 +264,8 @@ def _motion(answer: ContactAnswer) -> Mapping[str, Any]:
         found[names.INDENTATION] = kinematics.brought_up + kinematics.indentation
     if obstacle.displacement is not None:
         found[names.OBSTACLE_DISPLACEMENT] = kinematics.displacement.tolist()
+    if obstacle.turning is not None:
+        found[names.OBSTACLE_ROTATION] = kinematics.angle
     return found
 
 

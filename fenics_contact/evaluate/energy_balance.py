@@ -104,12 +104,12 @@ class EnergyBalance:
         self.changed = False
         self._cycle: tuple[_Mark | None, _Mark | None] = None, None  # its begin and its end
         inertia = problem.inertia
-        first, motions = inertia.first, inertia.motions
+        first, motions = inertia.first, _with_turns(inertia.motions)
         self._before: InternalForces | None = None
         self._last: dict[str, Array] = {
-            "pressures": first.pressures.copy(),
+            "pressures": _with_turns(first.pressures),
             "frictions": np.zeros_like(motions),
-            "motions": motions.copy(),
+            "motions": motions,
             "scalars": np.array(first.scalars or [(0.0, 0.0)] * len(problem.body_scalars)).reshape(
                 -1, 2
             ),
@@ -151,7 +151,7 @@ class EnergyBalance:
         contact = self._problem.contacts[number]
         kinematics, state, before = contact.kinematics, solution.states[number], contact.last_step
         every = solution.normal_force[number], solution.friction_force[number]
-        own = np.stack([force[contact.owned_nodes].sum(axis=0) for force in every])
+        own = np.stack([kinematics.wrench(force) for force in every])
         pressed, rubbed = total(contact.spaces.comm, own)
         motion = kinematics.motion
         pressures, frictions, motions = (self._last[name] for name in _OF_OBSTACLES)
@@ -274,6 +274,11 @@ def _sum(quantities: Mapping[str, Any], names: Sequence[str]) -> float:
     return sum(float(quantities.get(name, 0.0)) for name in names)
 
 
+def _with_turns(motions: Array) -> Array:
+    """Of each contact a motion, or a force, with an angle, or a moment, of 0 behind it."""
+    return np.pad(motions, ((0, 0), (0, 1)))
+
+
 def _work_at_edges(
     contact: ContactSurface, state: ContactState, moved: Array, motion: Array
 ) -> float:
@@ -287,13 +292,13 @@ def _work_at_edges(
         contact: As the last step left it.
         state: At the end of this one.
         moved: At the body's nodes of this rank in the step, (nodes, components) (length).
-        motion: Of the obstacle, (components,) (length).
+        motion: Of the obstacle, (components + 1,) (length, radian).
     """
     kinematics, last = contact.kinematics, contact.last_step.state
     passed = np.isfinite(contact.last_step.gap) != np.isfinite(kinematics.gap)
     if total(contact.spaces.comm, passed.sum()) == 0:
         return 0.0
-    jump = contact.trace.at_points(kinematics.relative_or_own(moved)) - motion
+    jump = contact.trace.at_points(kinematics.relative_or_own(moved)) - kinematics.field(motion)
     pressure = 0.5 * (last.contact_pressure + state.contact_pressure)
     both = contact.moduli.reference / contact.moduli.combined
     across = both * pressure * np.abs(kinematics.normal(jump))

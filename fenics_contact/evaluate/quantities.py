@@ -90,12 +90,12 @@ def global_quantities(forces: InternalForces, contacts: list[dict[str, Any]]) ->
     work = forces.given_work
     acting = zip(problem.contacts, solution.contact_force, solution.states, strict=True)
     for surface, force, state in acting:
-        pushed = total(problem.comm, force[surface.owned_nodes].sum(axis=0))
-        driven = surface.kinematics.brought_up + surface.kinematics.indentation
-        work += pushed @ surface.kinematics.direction * driven
-        work += pushed @ surface.kinematics.displacement
+        kinematics = surface.kinematics
+        pushed = total(problem.comm, kinematics.wrench(force))
+        work += pushed @ kinematics.motion
+        work += pushed[:-1] @ kinematics.direction * kinematics.brought_up
         pressure = float(surface.trace.integral(state.contact_pressure))
-        work += pressure * surface.kinematics.pressing_interference
+        work += pressure * kinematics.pressing_interference
     work += solution.work_on_scalars
     made = of_all_contacts(contacts)
     return {

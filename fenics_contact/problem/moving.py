@@ -176,7 +176,9 @@ class MovingInertia(Inertia):
 
     def _motions(self) -> Array:
         """How far what stands opposite has moved at present, (contacts, components) (length)."""
-        return np.reshape([one.kinematics.motion for one in self._contacts], self.motions.shape)
+        return np.reshape(
+            [one.kinematics.translation for one in self._contacts], self.motions.shape
+        )
 
     def follow_velocities(self) -> None:
         """Let friction count from where no velocity is left at the end of the step; collective."""

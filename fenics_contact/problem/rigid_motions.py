@@ -29,10 +29,11 @@ class RigidMotions:
     """Motions that do not strain the body as it is now, as columns of a common basis.
 
     Combinations of translations and rotations of each part of the body (scaled to its size) and
-    of the obstacles that a force drives, each along its direction, that leave supports and glue
-    alone; each column is of as few of these as can be.
+    of the obstacles that a force drives, each along its direction, or a moment turns, that leave
+    supports and glue alone; each column is of as few of these as can be.
 
     Attributes:
+        floating: The scalar unknowns of these obstacles.
         count: Number of columns.
         force: Work of the loads on each (force × length).
         force_size: The same with all contributions positive, for round-off.
@@ -42,7 +43,7 @@ class RigidMotions:
         self._problem = problem
         self._jumps: dict[ContactSurface, Array] = {}
         spaces = problem.spaces
-        self.floating = [contact for contact in problem.contacts if contact.has_unknown_position]
+        self.floating = [one for one in problem.unknowns if one.moves_obstacle and not one.own]
         cut = problem.discrete.cut
         about = None if cut is None else cut.centre
         self._names, self._fields = problem.discrete.once(
@@ -54,11 +55,11 @@ class RigidMotions:
         self._obstacles = free[self._fields.shape[-1] :]
         self.count = free.shape[1]
         force, size = self._work(problem.load)
-        driven = np.array([contact.force or 0.0 for contact in self.floating])
+        driven = np.array([one.force for one in self.floating])
         force = force + self._faces.work
         self.force = force @ self._body + driven @ self._obstacles
         size = size + np.abs(self._faces.work)
-        self.force_size = float(max(size.max(initial=0.0), driven.max(initial=0.0)))
+        self.force_size = float(max(size.max(initial=0.0), np.abs(driven).max(initial=0.0)))
 
     def _work(self, nodal: Array) -> tuple[Array, Array]:
         """Work of nodal forces on each field, and with all contributions positive; collective."""
@@ -126,7 +127,7 @@ class RigidMotions:
         held_otherwise = problem.constrained is not problem.discrete.constrained
         if held_otherwise or any(contact.normal.sticks for contact in problem.contacts):
             return reduced(self._free_combinations())
-        floats = [contact.has_unknown_position for contact in problem.contacts]
+        floats = [one.name for one in self.floating]
         known = f"free motions, obstacles {floats}, faces {self._faces.given}"
         return problem.discrete.once(known, lambda: reduced(self._free_combinations()))
 
@@ -148,8 +149,8 @@ class RigidMotions:
             if contact.normal.sticks:
                 reached = contact.kinematics.reached[: len(contact.nodes)]
                 moved = contact.kinematics.relative(self._fields)
-                fields = moved[contact.trace.numbers[contact.owned_nodes & reached]]
-                jumps = np.concatenate([fields, self._of_obstacles(contact, len(fields))], axis=-1)
+                nodes = contact.trace.numbers[contact.owned_nodes & reached]
+                jumps = np.concatenate([moved, self._of_obstacles(contact)], axis=-1)[nodes]
                 every.append(jumps.reshape(-1, modes + floats))
         stacked = np.concatenate(every)
         return null_space(np.asarray(total(problem.comm, stacked.T @ stacked)))
@@ -169,8 +170,8 @@ class RigidMotions:
         """Jumps at the points of a contact in each motion, (points, components, count)."""
         if contact not in self._jumps:
             moved = contact.trace.at_points(contact.kinematics.relative(self._fields)) @ self._body
-            of_obstacles = self._of_obstacles(contact, len(moved)) @ self._obstacles
-            self._jumps[contact] = moved + of_obstacles
+            of_obstacles = self._of_obstacles(contact) @ self._obstacles
+            self._jumps[contact] = moved + contact.trace.at_points(of_obstacles)
         return self._jumps[contact]
 
     def slips(self, coulomb: bool = False, touching: bool = False) -> tuple[Array, Array]:
@@ -238,14 +239,15 @@ class RigidMotions:
     def gap(contact: ContactSurface) -> Array:
         """Gaps at the points, the obstacle where it stands (length)."""
         kinematics = contact.kinematics
-        return kinematics.gap - kinematics.indentation * kinematics.facing
+        return kinematics.gap + kinematics.normal(kinematics.motion_at_points)
 
-    def _of_obstacles(self, contact: ContactSurface, points: int) -> Array:
-        """Jumps at a contact's points that the obstacles' motions make."""
-        moved = np.zeros((points, self._problem.spaces.components, len(self.floating)))
-        for number, other in enumerate(self.floating):
-            if other is contact:
-                moved[:, :, number] = -other.kinematics.direction
+    def _of_obstacles(self, contact: ContactSurface) -> Array:
+        """Jumps at all nodes of a contact's surface that the obstacles' motions make."""
+        size = len(contact.trace.all_nodes), self._problem.spaces.components
+        moved = np.zeros((*size, len(self.floating)))
+        for number, one in enumerate(self.floating):
+            if one.contact is contact:
+                moved[:, :, number] = -one.field
         return moved
 
     def displacement(self, motion: Array) -> Array:
@@ -280,7 +282,7 @@ class RigidMotions:
         shares = (self._body @ motion).reshape(parts.count, len(self._names))
         turns = np.array([kind == "rotation about" for kind, _ in self._names])
         moves = np.abs(shares).max(axis=1) > _TAKES_PART * np.abs(motion).max(initial=0.0)
-        if not moves.any() or np.abs(self.indentations(motion)).max(initial=0.0) > 0:
+        if not moves.any() or np.abs(self.of_floating(motion)).max(initial=0.0) > 0:
             return "", 1.0
         spins = (shares[:, turns] / parts.sizes[:, None])[moves]
         paths = shares[:, ~turns][moves]
@@ -288,8 +290,8 @@ class RigidMotions:
         speed = float(np.linalg.norm(speeds[0]))
         return (kind, speed) if np.allclose(speeds, speeds[0], atol=1e-6 * speed) else ("", 1.0)
 
-    def indentations(self, motion: Array) -> Array:
-        """Motions of the floating obstacles in a motion, in their order."""
+    def of_floating(self, motion: Array) -> Array:
+        """Values of ``floating`` in a motion (length)."""
         return np.asarray(self._obstacles @ motion)
 
     def describe(self, motion: Array) -> str:
@@ -305,9 +307,10 @@ class RigidMotions:
                 if axes:
                     whose = f" of '{name}'" if parts.count > 1 else ""
                     words.append(f"{kind} {' and '.join(axes)}{whose}")
-        for contact, share in zip(self.floating, self.indentations(motion), strict=True):
-            if abs(share) > _NAMED * scale:
-                words.append(f"the obstacle at '{contact.label}'")
+        for one, share in zip(self.floating, self.of_floating(motion), strict=True):
+            if abs(share) > _NAMED * scale and one.contact is not None:
+                what = "rotation of the obstacle" if one.turns else "the obstacle"
+                words.append(f"{what} at '{one.contact.label}'")
         return ", ".join(words)
 
 

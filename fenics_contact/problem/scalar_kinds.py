@@ -1,9 +1,10 @@
 """The kinds of scalar unknowns, each with what finds those of a problem: a line for a new one.
 
-These are the depth of an obstacle that a force drives, the resultant of a contact that the far
-field of a half-space follows, the motions of faces that are rigid (``couplings``), and the
-shortening of a preloaded part, such as a tight bolt. The force N along the part is the one that the
-scene asks for; or the part is locked, and keeps the length that it has.
+These are the depth of an obstacle that a force drives, the angle of one that a moment turns, the
+resultant of a contact that the far field of a half-space follows, the motions of faces that are
+rigid (``couplings``), and the shortening of a preloaded part, such as a tight bolt. The force N
+along the part is the one that the scene asks for; or the part is locked, and keeps the length that
+it has.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ import ufl
 from ufl.core.expr import Expr
 
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
+from fenics_contact.common.errors import InputError
+from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.loads.couplings import face_motions
 from fenics_contact.problem.loads.temperatures import thermal_strains
 from fenics_contact.problem.scalar_unknown import (
@@ -59,6 +62,62 @@ def indentations(problem: KnownProblem) -> list[ScalarUnknown]:
         for contact in problem.contacts
         if contact.has_unknown_position
     ]
+
+
+class Turn(ContactScalar):
+    """How far a moment M turns an obstacle: Σ (a × (x − at)) · r_c = M about its axis a.
+
+    It is the path q = θ l of the points farthest from the axis, at a distance l, so that its
+    equation is one of forces: Σ (a × (x − at)) / l · r_c = M / l.
+    """
+
+    kind = "rotation of the obstacle"
+    pushes = 1.0
+    turns = True
+
+    def __init__(self, contact: ContactSurface) -> None:
+        kinematics = contact.kinematics
+        super().__init__(contact, kinematics.direction)
+        self._lever = kinematics.lever
+        self._act_by(kinematics.turned_nodes / self._lever)
+
+    @property
+    def force(self) -> float:
+        """The moment over its lever (force)."""
+        return (self.contact.moment or 0.0) / self._lever
+
+    @property
+    def start(self) -> float:
+        """How far the obstacle has turned (length)."""
+        return self.contact.kinematics.angle * self._lever
+
+    @property
+    def term(self) -> str:
+        """Name of the energy term that its moment makes, for results."""
+        return f"moment on the obstacle at {self.contact.label}"
+
+    def take(self, value: float) -> None:
+        """Turn the obstacle (length)."""
+        self.contact.kinematics.turn(value / self._lever)
+
+
+def turns(problem: KnownProblem) -> list[ScalarUnknown]:
+    """One for each obstacle that a moment turns; collective.
+
+    Raises:
+        InputError: All of a surface lies on the axis.
+    """
+    found: list[ScalarUnknown] = []
+    for number, contact in enumerate(problem.contacts):
+        if not contact.has_unknown_angle:
+            continue
+        if contact.kinematics.lever == 0:
+            raise InputError(
+                f"contact[{number}].obstacle.moment: the contact surface lies on the axis, so that "
+                "no force on it has a moment about this"
+            )
+        found.append(Turn(contact))
+    return found
 
 
 class Resultant(ContactScalar):
@@ -188,7 +247,14 @@ def shortenings(problem: KnownProblem) -> list[ScalarUnknown]:
 Kind = Callable[[KnownProblem], list[ScalarUnknown]]
 
 # Each returns the scalar unknowns of a kind of a problem whose contacts and far field are known.
-_KINDS: list[Kind] = [indentations, resultants, shortenings, thermal_strains, face_motions]
+_KINDS: list[Kind] = [
+    indentations,
+    turns,
+    resultants,
+    shortenings,
+    thermal_strains,
+    face_motions,
+]
 
 
 def register(kind: Kind) -> None:

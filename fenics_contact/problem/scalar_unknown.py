@@ -27,6 +27,7 @@ from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import Supports
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
+from fenics_contact.common.parallel import gather_rows
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.results.records.contacts import ScalarRecord
@@ -105,19 +106,24 @@ class ScalarUnknown(ABC):
 
     Attributes:
         contact: The contact whose force is in its equation; None for none.
-        direction: Unit vector along which that force counts, (components,).
+        field: Displacements by which that force does work in it, at all nodes of the surface,
+            (nodes, components); unit vectors along a direction, or those of a rotation.
+        along: The same at all dofs of the surface, of all ranks, (dofs,).
         prescribes: Displacements that it prescribes; None for none.
         own: Factor of the scalar itself in its equation.
-        pushes: Factor of the contact's force along the direction in its equation.
+        pushes: Factor of the work of the contact's force in its equation.
         drives: Whether it is the indentation of the contact's obstacle.
+        turns: Whether it is the angle of the contact's obstacle, as a length.
     """
 
     contact: ContactSurface | None = None
-    direction: Array = np.zeros(0)
+    field: Array = np.zeros((0, 0))
+    along: Array = np.zeros(0)
     prescribes: PrescribedDisplacement | None = None
     own: float = 0.0
     pushes: ClassVar[float] = 0.0
     drives: ClassVar[bool] = False
+    turns: ClassVar[bool] = False
 
     @property
     @abstractmethod
@@ -133,6 +139,11 @@ class ScalarUnknown(ABC):
     @abstractmethod
     def start(self) -> float:
         """The value at which Newton's method starts."""
+
+    @property
+    def moves_obstacle(self) -> bool:
+        """Whether the contact's obstacle moves by ``field`` with it."""
+        return self.drives or self.turns
 
     @property
     def term(self) -> str | None:
@@ -164,7 +175,7 @@ class ScalarUnknown(ABC):
 
         Args:
             value: Of the unknown.
-            pushed: Force of its contact on the body along the direction; 0 without a contact.
+            pushed: Work of the force of its contact on the body; 0 without a contact.
         """
         return self.own * value + self.pushes * pushed - self.force
 
@@ -176,7 +187,7 @@ class ScalarUnknown(ABC):
 
 
 class ContactScalar(ScalarUnknown):
-    """A scalar unknown whose equation has the force of a contact.
+    """A scalar unknown whose equation has the force of a contact; collective.
 
     Args:
         contact: The contact.
@@ -185,6 +196,7 @@ class ContactScalar(ScalarUnknown):
 
     Attributes:
         kind: What it is, for results.
+        direction: Unit vector along which the contact's force counts, (components,).
     """
 
     contact: ContactSurface
@@ -197,6 +209,13 @@ class ContactScalar(ScalarUnknown):
         prescribes: PrescribedDisplacement | None = None,
     ) -> None:
         self.contact, self.direction, self.prescribes = contact, direction, prescribes
+        nodes = len(contact.trace.all_nodes)
+        self._act_by(np.broadcast_to(direction, (nodes, len(direction))))
+
+    def _act_by(self, field: Array) -> None:
+        """Take the field in which the contact's force does work; collective."""
+        surface, self.field = self.contact.trace.surface, field
+        self.along = gather_rows(surface.comm, field[: surface.owned_nodes]).reshape(-1)
 
     @property
     def name(self) -> str:
@@ -205,6 +224,11 @@ class ContactScalar(ScalarUnknown):
         if self.direction is self.contact.kinematics.direction:
             return name
         return f"{name} along ({', '.join(f'{round(x, 3) + 0.0:g}' for x in self.direction)})"
+
+    def take(self, value: float) -> None:
+        """Bring the contact's obstacle to where it is driven (length)."""
+        if self.drives:
+            self.contact.kinematics.drive(value)
 
 
 # Force over mass of a load at a place that is coupled with nodes, None for none; and its path.

@@ -351,6 +351,16 @@ ROWS = (
         has_true_value=False,
     ),
     Quantity(
+        names.OBSTACLE_ROTATION,
+        "",
+        "by which angle an obstacle has turned about the axis of its `rotation`, in radian, given "
+        "or found under a moment, where it turns",
+        together=Together.OF_THE_ONE,
+        is_of_some=True,
+        is_asked_for=True,
+        needs="contact found",
+    ),
+    Quantity(
         names.SLIP_SHARE,
         "",
         "with friction: how much of what it can hold against rigid slip of one side along the "

@@ -106,6 +106,7 @@ def _require_model(scene: CoreScene) -> None:
     for number, contact in enumerate(scene.contact):
         if contact.friction_law is not None:
             contact.friction_law.require_model(scene.kinematics, f"contact[{number}]")
+        _require_turn(scene, contact, f"contact[{number}].obstacle.rotation")
     _require_centres(scene)
     for number, load in enumerate(scene.load):
         load.require_model(scene.kinematics, f"load[{number}]")
@@ -118,6 +119,24 @@ def _require_model(scene: CoreScene) -> None:
         raise ValueError(f"half_space: its boundary holds it, so leave out {springs[0]}")
     if scene.half_space is not None and scene.kinematics == "plane stress":
         raise ValueError("half_space is for plane strain, axisymmetric and 3D models")
+
+
+def _require_turn(scene: CoreScene, contact: Contact, key: str) -> None:
+    """Refuse an obstacle that turns where the model has no such motion."""
+    turning = None if contact.obstacle is None else contact.obstacle.turning
+    if turning is None:
+        return
+    turning.require_model(scene.kinematics, key)
+    if turning.at is not None and len(turning.at) != scene.dimension:
+        raise ValueError(
+            f"{key}.at has {len(turning.at)} entries; a {scene.kinematics} model needs "
+            f"{scene.dimension}"
+        )
+    if scene.half_space is not None:
+        raise ValueError(
+            f"{key}: on a half_space no obstacle turns yet, as its far field is that of forces, "
+            "not of moments; leave one of the two out"
+        )
 
 
 def _require_couplings(scene: CoreScene) -> None:
@@ -344,6 +363,11 @@ def _require_own_paths(scene: CoreScene) -> None:
 def _require_contact_moves(contact: Contact, key: str) -> None:
     if contact.obstacle is not None and contact.obstacle.force is not None:
         raise ValueError(f"motion: {key}.obstacle.force: an obstacle has no mass; move it instead")
+    if contact.obstacle is not None and contact.obstacle.turning is not None:
+        raise ValueError(
+            f"motion: {key}.obstacle.rotation: where bodies move no obstacle turns yet; leave it "
+            "out"
+        )
     if contact.wear is not None:
         raise ValueError(f"motion: {key}.wear: bodies that move do not wear yet; leave it out")
     if not contact.fits_motion:

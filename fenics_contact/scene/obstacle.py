@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import replace
+from typing import Annotated, Any, Self
 
 from pydantic import Field
 
 from fenics_contact.analytic import obstacle_shapes
 from fenics_contact.analytic.obstacle_shapes import ObstacleShape
-from fenics_contact.scene.units.dimensions import FORCE, LENGTH, PLACE
+from fenics_contact.scene.loading.load_kinds import times
+from fenics_contact.scene.loading.supports import require_axis
+from fenics_contact.scene.units.dimensions import FORCE, LENGTH, MOMENT, PLACE
 from fenics_contact.scene.values import (
     PER_AXIS,
     RAMP,
+    Kinematics,
     LoadPath,
     Number,
     OneOf,
@@ -25,6 +29,50 @@ Direction = Annotated[tuple[Number, ...], PER_AXIS]
 Place = Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS]
 Motion = Annotated[tuple[Annotated[Number, LENGTH], ...], PER_AXIS]
 Shape = Annotated[str, OneOf(obstacle_shapes.names)]
+
+
+@scene_class
+class ObstacleRotation:
+    """Small rotation of an obstacle about an axis: its point at x moves by ω × (x − at).
+
+    >>> ObstacleRotation(angle=0.01, at=(1, 0)).angle
+    0.01
+    """
+
+    angle: Annotated[
+        Number | None,
+        Field(description="of the rotation, in radian; it is found where a moment turns it"),
+    ] = None
+    axis: Annotated[
+        Annotated[tuple[Number, ...], Field(min_length=3, max_length=3)] | None,
+        Field(
+            description="direction of the axis, of any length; none in plane models, where it "
+            "turns in the plane, counterclockwise"
+        ),
+    ] = None
+    at: Annotated[Place | None, Field(description="a point of the axis; by default the origin")] = (
+        None
+    )
+
+    def __post_init__(self) -> None:
+        if self.axis is not None and not any(self.axis):
+            raise ValueError("axis = 0: give the direction of the axis")
+
+    def require_model(self, kinematics: Kinematics, key: str) -> None:
+        """Refuse an axis that the model has not.
+
+        Args:
+            kinematics: Of the model.
+            key: Of the rotation in the scene.
+
+        Raises:
+            ValueError: In words.
+        """
+        if kinematics == "axisymmetric":
+            raise ValueError(
+                f"{key}: an axisymmetric model has no torsion, so no obstacle turns in it"
+            )
+        require_axis(self.axis, kinematics, key)
 
 
 @scene_class
@@ -117,6 +165,21 @@ class Obstacle:
             "file of a surface, whose path is from the scene's folder"
         ),
     ] = None
+    rotation: Annotated[
+        ObstacleRotation | None,
+        Field(description="how far it turns besides, about which axis; small, as in linear theory"),
+    ] = None
+    rotation_path: Annotated[
+        LoadPath, Field(description="of the rotation's angle or the moment over the load steps")
+    ] = RAMP
+    moment: Annotated[
+        Number | None,
+        MOMENT,
+        Field(
+            description="turns it about `rotation.axis` through `rotation.at` in place of an "
+            "angle; on the part that is modelled"
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         given = [key for key in ("shape", "file", "gap") if getattr(self, key) is not None]
@@ -124,6 +187,7 @@ class Obstacle:
             raise ValueError(f"give either {' or '.join(f'a {key}' for key in given)}")
         if self.force is not None and self.indentation is not None:
             raise ValueError("give either an indentation or a force")
+        self._require_turn()
         if not given and self.position is not None:
             raise ValueError("position: only a shape, a file or a gap has one")
         kind = self.kind
@@ -142,6 +206,38 @@ class Obstacle:
             vector = getattr(self, key)
             if vector is not None and not any(vector):
                 raise ValueError(f"{key} must not be a zero vector")
+
+    def _require_turn(self) -> None:
+        """Refuse a rotation that nothing drives, or two things do."""
+        angle = None if self.rotation is None else self.rotation.angle
+        if angle is not None and self.moment is not None:
+            raise ValueError("give either a rotation.angle or a moment")
+        if self.rotation is not None and angle is None and self.moment is None:
+            raise ValueError("rotation: give its angle, or a moment that turns the obstacle")
+        if self.turning is None and self.rotation_path != RAMP:
+            raise ValueError("rotation_path: only an obstacle that turns has one")
+
+    def times(self, factor: float) -> Self:
+        """The obstacle with all that drives it times a factor."""
+        names = ("indentation", "force", "displacement", "moment")
+        found = {name: getattr(self, name) for name in names}
+        driven: dict[str, Any] = {}
+        driven |= {name: times(value, factor) for name, value in found.items() if value is not None}
+        if self.rotation is not None and self.angle:
+            driven["rotation"] = replace(self.rotation, angle=factor * self.angle)
+        return replace(self, **driven)
+
+    @property
+    def turning(self) -> ObstacleRotation | None:
+        """About what it turns; None where it does not."""
+        if self.rotation is None and self.moment is not None:
+            return ObstacleRotation()
+        return self.rotation
+
+    @property
+    def angle(self) -> float:
+        """The angle that is given; 0 where it does not turn, or a moment turns it (radian)."""
+        return 0.0 if self.rotation is None else self.rotation.angle or 0.0
 
     @property
     def has_form(self) -> bool:

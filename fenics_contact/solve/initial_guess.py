@@ -22,22 +22,20 @@ from fenics_contact.solve.systems.system import System
 _ROUNDS = 3
 
 
-def starting_point(problem: Problem) -> tuple[Array, list[float]]:
-    """Displacements and obstacle positions from which the contacts act; collective.
+def starting_point(problem: Problem) -> Array:
+    """Displacements from which the contacts act; obstacles are taken to theirs; collective.
 
     Returns:
-        Nodal displacements of this rank, (nodes, components) (length), and the indentation
-        of every contact's obstacle (length).
+        Nodal displacements of this rank, (nodes, components) (length).
     """
     displacement = np.zeros_like(problem.load)
-    indentations = [contact.kinematics.indentation for contact in problem.contacts]
     rigid = RigidMotions(problem)
     if rigid.count == 0:
-        return displacement, indentations
+        return displacement
     weights, closing, gap = rigid.closings()
     loose = _unresisted(problem, rigid, closing)
     if len(weights) == 0 or loose.shape[1] == 0:
-        return displacement, indentations
+        return displacement
     size = max(contact.trace.extent() for contact in problem.contacts)
     motion = np.zeros(loose.shape[1])
     rows, force = closing @ loose, rigid.force @ loose
@@ -49,10 +47,9 @@ def starting_point(problem: Problem) -> tuple[Array, list[float]]:
         plane = problem.spaces.kinematics in ("plane strain", "plane stress")
         length = min(max(patch if plane else np.sqrt(patch), 1e-6 * size), size)
     motion = from_root(problem.comm, motion)
-    found = rigid.indentations(loose @ motion)
-    for contact, indentation in zip(rigid.floating, found, strict=True):
-        indentations[problem.contacts.index(contact)] += float(indentation)
-    return rigid.displacement(loose @ motion), indentations
+    for one, moved in zip(rigid.floating, rigid.of_floating(loose @ motion), strict=True):
+        one.take(one.start + float(moved))
+    return rigid.displacement(loose @ motion)
 
 
 def _unresisted(problem: Problem, rigid: RigidMotions, closing: Array) -> Array:
@@ -154,9 +151,9 @@ class Beginning:
     def anew(self) -> None:
         """Nothing has slipped, supports stand at their values, loose parts touch; collective."""
         self.continues = False
-        displacement, indentations = starting_point(self._problem)
-        for contact, indentation in zip(self._problem.contacts, indentations, strict=True):
-            contact.kinematics.move(contact.kinematics.relative(displacement), indentation)
+        displacement = starting_point(self._problem)
+        for contact in self._problem.contacts:
+            contact.kinematics.move(contact.kinematics.relative(displacement))
         self._system.begin(displacement)
         self._problem.stick_all()
 
@@ -218,9 +215,9 @@ class Beginning:
             self._system.update_pairing()
 
     def is_out_of_touch(self) -> bool:
-        """Whether nothing presses on an obstacle that a force drives, or nowhere; collective."""
+        """Whether nothing presses on an obstacle that a load drives, or nowhere; collective."""
         pushing = [contact for contact in self._problem.contacts if contact.is_one_sided]
         touched = [largest(self._problem.comm, contact.pressure()) > 0 for contact in pushing]
-        loose = [contact.has_unknown_position for contact in pushing]
+        loose = [contact.gives_way for contact in pushing]
         apart = any(f and not t for f, t in zip(loose, touched, strict=True))
         return apart or (bool(pushing) and not any(touched))

@@ -51,20 +51,23 @@ def resultant(forces: InternalForces) -> Check | None:
 
 
 def _obstacles(forces: InternalForces) -> list[Check]:
-    """The force of each obstacle that a force drives, against that force; collective."""
+    """The force of each obstacle that a force drives, or a moment turns, against it; collective."""
     found = []
     free, comm = forces.problem.free, forces.problem.comm
     imbalance = forces.solution.imbalance_limit
-    for number, contact in enumerate(forces.problem.contacts):
-        if not contact.has_unknown_position:
+    for one in forces.problem.unknowns:
+        contact = one.contact
+        if contact is None or not one.moves_obstacle or one.own:
             continue
+        number = forces.problem.contacts.index(contact)
         given = forces.solution.contact_force[number]
         # Where supports hold, the bulk's forces are theirs, too.
         needed = np.where(free[contact.nodes], forces.at_contact(number), given)
-        along = needed[contact.owned_nodes] @ contact.kinematics.direction
+        field = one.field[contact.trace.numbers]
+        along = np.einsum("ij,ij->i", needed, field)[contact.owned_nodes]
         pushed, carried = total(comm, np.array([along.sum(), np.abs(along).sum()]))
-        force = contact.force or 0.0
-        size = max(force, carried)
+        force = one.force
+        size = max(abs(force), carried)
         found.append(balance(pushed - force, size, imbalance, contact.label, "obstacle"))
     return found
 

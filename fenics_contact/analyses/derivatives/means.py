@@ -254,8 +254,5 @@ def _contact(contact: Contact, factor: float) -> Contact:
     if contact.pressure is not None:
         changes["pressure"] = times(contact.pressure, factor)
     if contact.obstacle is not None:
-        names = ("indentation", "force", "displacement")
-        found = {name: getattr(contact.obstacle, name) for name in names}
-        moved = {name: times(value, factor) for name, value in found.items() if value is not None}
-        changes["obstacle"] = replace(contact.obstacle, **moved)
+        changes["obstacle"] = contact.obstacle.times(factor)
     return replace(contact, **changes)

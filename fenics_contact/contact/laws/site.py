@@ -81,6 +81,7 @@ class ContactPaths:
         self._fit = KeyedPath(contact.interference_path, f"{key}.interference_path")
         where = f"{key}.obstacle.displacement_path"
         self._displacement = KeyedPath(obstacle.displacement_path, where)
+        self._rotation = KeyedPath(obstacle.rotation_path, f"{key}.obstacle.rotation_path")
 
     def pressure_factor(self, time: float) -> float:
         """Share of a given pressure that acts, ≥ 0."""
@@ -121,6 +122,19 @@ class ContactPaths:
         if self._obstacle.displacement is None:
             return None
         return self._displacement(time) * np.array(self._obstacle.displacement)
+
+    def rotation_factor(self, time: float) -> float:
+        """Share of the obstacle's angle, or of the moment that turns it."""
+        return self._rotation(time)
+
+    def angle(self, time: float) -> float:
+        """By how much the obstacle has turned where no moment turns it (radian)."""
+        return self._obstacle.angle * self._rotation(time) if self._obstacle.angle else 0.0
+
+    def moment(self, time: float) -> float | None:
+        """That turns the obstacle; None where none does (force × length)."""
+        moment = self._obstacle.moment
+        return None if moment is None else moment * self._rotation(time)
 
     @staticmethod
     def _not_negative(path: KeyedPath, time: float, why: str) -> float:

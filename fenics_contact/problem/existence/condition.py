@@ -108,7 +108,7 @@ def _at_present(problem: Problem, rigid: RigidMotions) -> FreeMotion:
     """Judge the present loads, whose work on the free motions these tell."""
     if rigid.count == 0:
         return FreeMotion(0, 0.0, "none")
-    if rigid.body_is_held and all(contact.is_one_sided for contact in rigid.floating):
+    if rigid.body_is_held and _all_pressed(rigid):
         return FreeMotion(rigid.count, 0.0, "obstacles that forces press on")
     closing = rigid.closings()
     _require_resisted(problem, rigid, closing)
@@ -119,6 +119,14 @@ def _at_present(problem: Problem, rigid: RigidMotions) -> FreeMotion:
     share, motion = _share_of_friction(problem, rigid, among)
     held_by = rigid.describe(motion) if share > 0 else "none: held by the obstacles"
     return FreeMotion(rigid.count, share, held_by)
+
+
+def _all_pressed(rigid: RigidMotions) -> bool:
+    """Whether all that floats are obstacles that forces press on a surface, which may be left."""
+    return all(
+        one.drives and one.contact is not None and one.contact.is_one_sided
+        for one in rigid.floating
+    )
 
 
 def _share_of_friction(

@@ -82,6 +82,8 @@ def keyed_paths(scene: CoreScene) -> Iterator[KeyedPath]:
             yield KeyedPath(obstacle.path, f"{key}.obstacle.path", driven)
             moves = bool(obstacle.displacement and any(obstacle.displacement))
             yield KeyedPath(obstacle.displacement_path, f"{key}.obstacle.displacement_path", moves)
+            turns = bool(obstacle.angle or obstacle.moment)
+            yield KeyedPath(obstacle.rotation_path, f"{key}.obstacle.rotation_path", turns)
 
 
 def _tables(scene: CoreScene) -> list[Path]:

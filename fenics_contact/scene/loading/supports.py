@@ -86,10 +86,24 @@ class FaceRotation:
         """
         if kinematics == "axisymmetric":
             raise ValueError(f"{key}: an axisymmetric model has no torsion, so no face turns in it")
-        if kinematics != "3D" and self.axis is not None:
-            raise ValueError(f"{key}.axis: a {kinematics} model turns in its plane; leave it out")
-        if kinematics == "3D" and self.axis is None:
-            raise ValueError(f"{key}.axis is missing: give the direction of the axis")
+        require_axis(self.axis, kinematics, key)
+
+
+def require_axis(axis: tuple[float, ...] | None, kinematics: Kinematics, key: str) -> None:
+    """Refuse an axis of a rotation in a plane model, and a rotation without one in space.
+
+    Args:
+        axis: Direction of the axis; None of none.
+        kinematics: Of the model.
+        key: Of the rotation in the scene.
+
+    Raises:
+        ValueError: In words.
+    """
+    if kinematics != "3D" and axis is not None:
+        raise ValueError(f"{key}.axis: a {kinematics} model turns in its plane; leave it out")
+    if kinematics == "3D" and axis is None:
+        raise ValueError(f"{key}.axis is missing: give the direction of the axis")
 
 
 _PER_COMPONENT = Field(min_length=1)

@@ -22,6 +22,7 @@ from fenics_contact.quantities.names import (
     INDENTATION,
     MAX_CONTACT_PRESSURE,
     NORMAL_FORCE,
+    OBSTACLE_ROTATION,
     OF_POINTS,
     REACTION,
     REACTION_MOMENT,
@@ -86,8 +87,10 @@ def _require_present(accuracy: Accuracy, run: Run) -> None:
     """
     contacts = run.problem.contacts
     has_depth = run.problem.has_datum and any(c.contact.obstacle is not None for c in contacts)
+    turns = any(c.kinematics.turning.axis.any() for c in contacts)
     missing = {
         INDENTATION: "" if has_depth else "a rigid obstacle",
+        OBSTACLE_ROTATION: "" if turns else "an obstacle that turns",
         **dict.fromkeys(
             (CONTACT_RADIUS, STICK_RADIUS),
             "" if run.problem.spaces.kinematics == "axisymmetric" else "an axis of revolution",

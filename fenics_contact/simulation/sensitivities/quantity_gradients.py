@@ -74,14 +74,16 @@ class StateGradient:
             answers: Derivatives in what happens at the contact.
         """
         contact, found = problem.contacts[number], cls.none(problem)
+        moving = [one for one in problem.unknowns if one.contact is contact and one.moves_obstacle]
         if contact.has_unknown_position:  # its indentation is an unknown
-            own = [
-                (unknown, answers.indentation)
-                for unknown in problem.unknowns
-                if unknown.drives and unknown.contact is contact
-            ]
+            own = [(one, answers.indentation) for one in moving if one.drives]
             found = found.plus(cls.of_scalars(problem, own))
             answers = replace(answers, indentation=0.0)
+        if contact.has_unknown_angle:
+            of_path = answers.angle / contact.kinematics.lever
+            turning = [(one, of_path) for one in moving if one.turns]
+            found = found.plus(cls.of_scalars(problem, turning))
+            answers = replace(answers, angle=0.0)
         contacts = [*found.contacts]
         contacts[number] = answers
         return replace(found, contacts=contacts)
@@ -226,6 +228,13 @@ def _indentation(answer: ContactAnswer, _axis: int | None) -> AnswerGradient:
     return AnswerGradient.none(answer.contact).adding(brought_up=1.0, indentation=1.0)
 
 
+def _rotation(answer: ContactAnswer, _axis: int | None) -> AnswerGradient:
+    obstacle = answer.contact.contact.obstacle
+    if obstacle is None or obstacle.turning is None:
+        raise InputError("of: 'obstacle_rotation': there is no obstacle that turns")
+    return AnswerGradient.none(answer.contact).adding(angle=1.0)
+
+
 def _friction_work(answer: ContactAnswer, _axis: int | None) -> AnswerGradient:
     contact, state = answer.contact, answer.state
     if contact.friction.follows_path:
@@ -258,6 +267,7 @@ CONTACT_GRADIENTS: Mapping[str, ContactGradient] = {
     names.MAX_CONTACT_PRESSURE: _max_pressure,
     names.MAX_SLIP: _max_slip,
     names.INDENTATION: _indentation,
+    names.OBSTACLE_ROTATION: _rotation,
     names.FRICTION_WORK: _friction_work,
     names.PENALTY_ENERGY: _penalty_energy,
 }

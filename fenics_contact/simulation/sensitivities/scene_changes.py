@@ -368,6 +368,8 @@ class SceneChanges:
         name, axis = rest[0], int(rest[1]) if len(rest) > 1 and rest[1].isdigit() else 0
         if name == "force":
             return self._of_force(number, contact)
+        if name in ("moment", "rotation"):
+            return self._of_turn(key, number, rest)
         if name == "indentation":
             driven = contact.paths.drive_factor(self.time)
             motion = driven * kinematics.direction
@@ -376,7 +378,7 @@ class SceneChanges:
         if name == "displacement":
             factor = contact.paths.displacement_factor(self.time)
             motion = factor * np.eye(problem.spaces.components)[axis]
-            gap = factor * kinematics.gap_slopes(name, axis)
+            gap = factor * kinematics.gap_slopes_of_motion(axis)
             return Change(contacts={number: GivenChange(motion=motion, gap=gap)})
         if name == "gap" and obstacle.gap is not None:
             gap = self._at_points(contact, key, obstacle.gap, rest[1:])
@@ -435,6 +437,29 @@ class SceneChanges:
         traction = state.friction_traction - state.contact_pressure[:, None] * contact.trace.normals
         pushed = float(contact.trace.integral(traction) @ turned)
         return Change(contacts={number: given}, scalars=self._of_indentation(contact, -pushed))
+
+    def _of_turn(self, key: str, number: int, rest: list[str]) -> Change:
+        """Return the change by the angle of an obstacle, or by the moment that turns it."""
+        contact = self.problem.contacts[number]
+        factor, kinematics = contact.paths.rotation_factor(self.time), contact.kinematics
+        assert isinstance(kinematics, ObstacleKinematics)
+        if rest == ["moment"]:
+            return Change(
+                scalars={
+                    index: factor / kinematics.lever
+                    for index, unknown in enumerate(self.problem.unknowns)
+                    if unknown.turns and unknown.contact is contact
+                }
+            )
+        if rest != ["rotation", "angle"]:
+            raise _refused(key, "of an obstacle's rotation, the angle has")
+        gap = factor * kinematics.gap_slopes_of_motion(-1)
+        given = GivenChange(
+            motion=factor * kinematics.field(np.append(np.zeros_like(kinematics.direction), 1.0)),
+            gap=np.where(kinematics.reached, gap, 0.0),
+            angle=factor,
+        )
+        return Change(contacts={number: given})
 
     def _of_indentation(self, contact: ContactSurface, force: float) -> dict[int, float]:
         """The right-hand side of the equation of a contact's indentation."""

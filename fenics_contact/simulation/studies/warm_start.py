@@ -50,7 +50,7 @@ class SolvedState:
     Attributes:
         position: Displacements as ``System.position`` gives them (length).
         scalars: Values of the scalar unknowns.
-        opposite: Of each contact, gap and motion of what stands opposite (length).
+        opposite: Of each contact, gap and motion of what stands opposite at the points (length).
         counted_from: Of each contact, the slip from which its law counts (length).
         jumps: Of each contact, that at its points (length).
     """
@@ -102,10 +102,9 @@ class SolvedState:
 
 
 def _opposite(contact: ContactSurface) -> tuple[Array, Array]:
-    """Gap at the points, and motion besides that of an unknown indentation (length)."""
+    """Gap at the points, and how far what is known of its motion takes the obstacle (length)."""
     kinematics = contact.kinematics
-    is_known = not contact.has_unknown_position
-    return kinematics.gap, kinematics.motion if is_known else kinematics.displacement
+    return kinematics.gap, kinematics.field(contact.known_motion)
 
 
 @dataclass(frozen=True, eq=False)

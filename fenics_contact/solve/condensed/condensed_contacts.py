@@ -78,10 +78,9 @@ class ContactJump:
             if unknown.prescribes is not None:
                 motion[:, column] = relative[:, column] = far[column]
             if unknown.contact is surface.contact:
-                direction = np.resize(unknown.direction, rows)
-                work[:, column] = -unknown.pushes * direction
-                if unknown.drives:
-                    motion[:, column] = -direction
+                work[:, column] = -unknown.pushes * unknown.along
+                if unknown.moves_obstacle:
+                    motion[:, column] = -unknown.along
         own, columns = points
         columns = columns + np.where(columns < count, 0, len(unknowns))
         width = sum(sizes) + len(unknowns)

@@ -32,6 +32,8 @@ class ContactMemory:
         paired_at: Displacement at which two bodies were paired; None as meshed (length).
         dissipated_before: `dissipated` at the begin of each cycle of loads that began (force ×
             length).
+        angle: By which its obstacle has turned (radian).
+        shape_angle: At which the gap to this is measured (radian).
     """
 
     indentation: float
@@ -42,6 +44,8 @@ class ContactMemory:
     at_points: dict[str, Array]
     paired_at: Array | None
     dissipated_before: tuple[float, ...] = ()
+    angle: float = 0.0
+    shape_angle: float = 0.0
 
 
 def remember(contact: ContactSurface) -> ContactMemory:
@@ -60,6 +64,8 @@ def remember(contact: ContactSurface) -> ContactMemory:
         | contact.wear.kept(),
         paired_at=kinematics.paired_at,
         dissipated_before=contact.last_step.dissipated_before,
+        angle=kinematics.angle,
+        shape_angle=kinematics.shape_angle,
     )
 
 
@@ -74,6 +80,7 @@ def recall_pairing(contact: ContactSurface, memory: ContactMemory) -> bool:
 def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     """Go back to a remembered state, bodies being paired as they were."""
     contact.kinematics.drive(memory.indentation)
+    contact.kinematics.turn_back(memory.angle, memory.shape_angle)
     done = memory.dissipated, memory.left_open, memory.dissipated_before
     contact.last_step.restore(memory.at_points, *done)
     contact.normal.recall(memory.at_points)

@@ -133,8 +133,8 @@ class AddedTangents:
             order = np.argsort(surface.dofs)
             places = order[np.searchsorted(surface.dofs, numbers, sorter=order)]
             motion[places] = gather_rows(comm, values[shared])
-        elif unknown.drives and unknown.contact is surface.contact:
-            motion[:] = -np.resize(unknown.direction, len(motion))
+        elif unknown.moves_obstacle and unknown.contact is surface.contact:
+            motion[:] = -unknown.along
         return motion
 
     def _add_borders(
@@ -145,7 +145,6 @@ class AddedTangents:
             return
         rows, columns, values = entries
         at_rows, at_columns = (self._matrix_rows(surface.dofs[d]) for d in (rows, columns))
-        size = self._problem.spaces.components
         moved = [values * motion[columns] for motion in motions]
         for number, unknown in enumerate(self._unknowns):
             scalar = np.full(1, self._scalar_row(tangent, number), dtype=PETSc.IntType)
@@ -155,7 +154,7 @@ class AddedTangents:
             if unknown.contact is not surface.contact:
                 continue
             # K_c is the derivative of −r_c.
-            along = -unknown.pushes * unknown.direction[rows % size]
+            along = -unknown.pushes * unknown.along[rows]
             add_entries(tangent, every, at_columns, values * along)
             for other, by in enumerate(moved):
                 column = np.full(1, self._scalar_row(tangent, other), dtype=PETSc.IntType)

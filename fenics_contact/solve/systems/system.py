@@ -25,7 +25,6 @@ from scipy.linalg import qr
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import from_root, total
-from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.problem.scalar_unknown import ScalarUnknown
@@ -250,28 +249,25 @@ class System(ABC):
     def move_contacts(self, displacements: Sequence[Array | None], scalars: Array) -> None:
         """Set the jumps from displacements relative to bodies opposite, at all nodes of surfaces.
 
-        None where they are not known. And give the body the values of its scalars.
+        None where they are not known. And give bodies and obstacles the values of their scalars.
         """
-        driven: dict[ContactSurface | None, float] = {}
         for unknown, value in zip(self.problem.unknowns, scalars, strict=True):
             unknown.take(float(value))
-            if unknown.drives:
-                driven[unknown.contact] = float(value)
         for contact, displacement in zip(self.problem.contacts, displacements, strict=True):
             if displacement is not None:
-                contact.kinematics.move(displacement, driven.get(contact))
+                contact.kinematics.move(displacement)
                 contact.follow_pressure()
 
     def pushed(self, unknown: ScalarUnknown, forces: list[Array]) -> float:
-        """Force of a scalar unknown's contact on the body along its direction, 0 without one.
+        """Work of the force of a scalar unknown's contact on the body in it, 0 without one.
 
         Collective.
         """
         if unknown.contact is None:
             return 0.0
         force = forces[self.problem.contacts.index(unknown.contact)]
-        own = force[: unknown.contact.trace.surface.owned_nodes].sum(axis=0)
-        return float(total(self.comm, own) @ unknown.direction)
+        owned = unknown.contact.trace.surface.owned_nodes
+        return float(total(self.comm, np.sum(force[:owned] * unknown.field[:owned])))
 
     def scalar_imbalances(self, values: Array, forces: list[Array]) -> Array:
         """Imbalances of the scalar unknowns' equations, (scalars,) (force); collective.

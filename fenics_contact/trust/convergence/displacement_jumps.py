@@ -81,7 +81,7 @@ def _scale(problem: Problem, displacement: Array) -> float:
     sizes = [np.abs(displacement).ravel()]
     for contact in problem.contacts:
         kinematics = contact.kinematics
-        sizes += [np.abs(kinematics.displacement), np.abs([kinematics.indentation])]
+        sizes += [np.abs(kinematics.motion_at_points).ravel(), np.abs([kinematics.indentation])]
     return largest(problem.comm, np.concatenate(sizes))
 
 
@@ -145,10 +145,10 @@ def _rows_of_obstacle(problem: Problem, number: int, chosen: Flags) -> Array:
     kinematics, nodes = contact.kinematics, contact.nodes
     gap = kinematics.whole_gap()[: len(nodes)]
     mine = chosen[nodes] & contact.owned_nodes & np.isfinite(gap)
-    motion = kinematics.indentation * kinematics.direction + kinematics.displacement
+    motion = kinematics.motion_at_points[: len(nodes)][mine]
     if not contact.is_one_sided:
         glued = []
-        for axis, moved in enumerate(motion):
+        for axis, moved in enumerate(motion.T):
             row = _rows(problem, nodes[mine], (_CONTACT, number, True))
             row[:, _OF.start + axis], row[:, _RIGHT] = 1.0, moved
             glued.append(row)
@@ -156,7 +156,7 @@ def _rows_of_obstacle(problem: Problem, number: int, chosen: Flags) -> Array:
     rows = _rows(problem, nodes[mine], (_CONTACT, number, False))
     normals = contact.trace.normals[: len(nodes)][mine]
     rows[:, _OF.start : _OF.start + normals.shape[1]] = normals
-    rows[:, _RIGHT] = gap[mine] + normals @ motion
+    rows[:, _RIGHT] = gap[mine] + np.einsum("ni,ni->n", normals, motion)
     return rows
 
 

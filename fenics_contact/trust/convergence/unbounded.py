@@ -105,7 +105,7 @@ class Unbounded:
         return bool(touched) and _follows(name) in (Singular.RESULTANT, Singular.PEAK)
 
     def _gives_way(self, jump: Jump) -> bool:
-        return any(self._problem.contacts[number].has_unknown_position for number in jump.contacts)
+        return any(self._problem.contacts[number].gives_way for number in jump.contacts)
 
     def _is_of_supports(self, jump: Jump, of: int | str) -> bool:
         """Whether a jump keeps the reaction of a support, or of all of a name, from converging.

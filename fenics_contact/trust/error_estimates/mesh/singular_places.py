@@ -155,8 +155,7 @@ def _missed(problem: Problem, displacement: Array, time: float) -> Array:
 def _to_obstacle(contact: ContactSurface, displacement: Array) -> Array:
     """From where nodes are to where an obstacle lets them be, at the body's nodes; collective."""
     kinematics, nodes, trace = contact.kinematics, contact.nodes, contact.trace
-    motion = kinematics.indentation * kinematics.direction + kinematics.displacement
-    away = motion - displacement[nodes]
+    away = kinematics.motion_at_points[: len(nodes)] - displacement[nodes]
     gap = kinematics.whole_gap()[: len(nodes)]
     away[~np.isfinite(gap)] = 0.0
     if contact.is_one_sided:
