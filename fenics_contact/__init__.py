@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.loading.support_axes import SupportAxes
     from fenics_contact.scene.loading.supports import FaceRotation, Support
     from fenics_contact.scene.loading.temperatures import Temperature
-    from fenics_contact.scene.obstacle import HalfSpace, Obstacle
+    from fenics_contact.scene.obstacle import HalfSpace, Obstacle, ObstacleRotation
     from fenics_contact.scene.reading import load_scene
     from fenics_contact.scene.scene import Discretisation, MeshSource, Scene
     from fenics_contact.scene.settings import Accuracy, SolverSettings, Steps
@@ -121,6 +121,7 @@ __all__ = [
     "NotConvergedError",
     "Objective",
     "Obstacle",
+    "ObstacleRotation",
     "OrthotropicFriction",
     "OwnFrictionLaw",
     "OwnNormalLaw",
@@ -195,7 +196,7 @@ _MODULES = {
     "analyses.stress_lines.table": ("Line",),
     "analyses.vibration.table": ("Damping", "Modes"),
     "scene.contact": ("Contact", "Wear"),
-    "scene.obstacle": ("HalfSpace", "Obstacle"),
+    "scene.obstacle": ("HalfSpace", "Obstacle", "ObstacleRotation"),
     "scene.laws.friction_laws": (
         "ComplianceFriction",
         "CoulombFriction",

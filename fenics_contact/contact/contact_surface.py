@@ -295,6 +295,12 @@ class ContactSurface:
         return self.has_unknown_position or self.has_unknown_angle
 
     @property
+    def gap_follows_steps(self) -> bool:
+        """Whether the gap is that to a shape as a moment had turned it in the load step before."""
+        obstacle = self.contact.obstacle
+        return self.has_unknown_angle and obstacle is not None and obstacle.has_form
+
+    @property
     def known_motion(self) -> Array:
         """Motion of the obstacle besides what is found, (components + 1,) (length, radian)."""
         kinematics = self.kinematics

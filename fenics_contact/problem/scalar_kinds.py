@@ -15,7 +15,6 @@ import ufl
 from ufl.core.expr import Expr
 
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
-from fenics_contact.common.errors import InputError
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.loads.couplings import face_motions
 from fenics_contact.problem.loads.temperatures import thermal_strains
@@ -102,22 +101,8 @@ class Turn(ContactScalar):
 
 
 def turns(problem: KnownProblem) -> list[ScalarUnknown]:
-    """One for each obstacle that a moment turns; collective.
-
-    Raises:
-        InputError: All of a surface lies on the axis.
-    """
-    found: list[ScalarUnknown] = []
-    for number, contact in enumerate(problem.contacts):
-        if not contact.has_unknown_angle:
-            continue
-        if contact.kinematics.lever == 0:
-            raise InputError(
-                f"contact[{number}].obstacle.moment: the contact surface lies on the axis, so that "
-                "no force on it has a moment about this"
-            )
-        found.append(Turn(contact))
-    return found
+    """One for each obstacle that a moment turns; collective."""
+    return [Turn(contact) for contact in problem.contacts if contact.has_unknown_angle]
 
 
 class Resultant(ContactScalar):

@@ -101,7 +101,9 @@ class IndentationSize:
         """
         kinematics = self.kinematics
         ahead = kinematics.reached & (kinematics.facing > 0)
-        gaps = kinematics.gap[ahead] / kinematics.facing[ahead]
+        # Where they overlap as drawn, as a tight shaft does, sides of it tell no way.
+        gap = kinematics.gap[ahead]
+        gaps = np.where(gap > 0, gap / kinematics.facing[ahead], gap)
         way = self._carried_along(displacement, inside) @ kinematics.direction
         went = kinematics.indentation - smallest(self._problem.comm, gaps) - way
         return max(float(went), 0.0) / self.size

@@ -25,6 +25,7 @@ from fenics_contact import (
     Material,
     Motion,
     Obstacle,
+    ObstacleRotation,
     Path,
     Run,
     Scene,
@@ -74,12 +75,14 @@ KICKED = Scene(
     ),
     motion=Motion(step=0.01, end=0.06, velocity={"body": (0.5, 0, 0)}, start="static"),
 )
+TURNED = {"force": 5.0, "moment": 0.3, "rotation": ObstacleRotation(at=(0.5, 1.5))}
 AUTOMATIC = Steps(number=4, automatic=True)
 SCENES = {
     "incremental": (dragged(STEPS), block),
     "full": (dragged(STEPS, solver="full"), block),
     "automatic": (dragged(AUTOMATIC), block),
     "force": (dragged(STEPS, driven={"force": 5.0}), block),
+    "moment": (dragged(STEPS, driven=TURNED), block),
     "nearly incompressible": (dragged(STEPS, solid=0.499), block),
     "nearly incompressible, full": (dragged(STEPS, solid=0.499, solver="full"), block),
     "two bodies": (shoved(STEPS), two_blocks),
@@ -161,7 +164,7 @@ def test_no_rank_gets_all_rows_of_a_state(folder, monkeypatch):
     assert peaks[1] < min(1.1 * peaks[0], 16 * nodes)  # less than one displacement field
 
 
-@pytest.mark.parametrize("name", ["automatic", "force", "full", "nearly incompressible"])
+@pytest.mark.parametrize("name", ["automatic", "force", "moment", "full", "nearly incompressible"])
 def test_a_run_goes_on_where_it_was_stopped(name, folder):
     """Also by the same Newton steps: the prediction and the size of the next step are kept."""
     scene, body = SCENES[name]
