@@ -218,7 +218,11 @@ class Obstacle:
             raise ValueError("rotation_path: only an obstacle that turns has one")
 
     def times(self, factor: float) -> Self:
-        """The obstacle with all that drives it times a factor."""
+        """The obstacle with all that drives it times a factor.
+
+        Args:
+            factor: 1 leaves it as it is.
+        """
         names = ("indentation", "force", "displacement", "moment")
         found = {name: getattr(self, name) for name in names}
         driven: dict[str, Any] = {}
