@@ -404,6 +404,11 @@ def _require_sector(scene: CoreScene) -> None:
             for number, contact in enumerate(scene.contact)
             if (law := contact.friction_law) is not None
         },
+        **{
+            f"contact[{number}].obstacle.rotation": obstacle.turning is not None
+            for number, contact in enumerate(scene.contact)
+            if (obstacle := contact.obstacle) is not None
+        },
     }
     for key, is_there in others.items():
         if is_there:

@@ -7,6 +7,7 @@ import pytest
 
 from fenics_contact import (
     Contact,
+    CyclicSymmetry,
     DerivativeRequest,
     FaceRotation,
     HalfSpace,
@@ -390,6 +391,9 @@ def test_what_cannot_turn_is_refused():
         Scene(**flat, contact=on_top(rotation=far))
     with refused("obstacle_turns_on_a_half_space"):
         Scene(**flat, half_space=HalfSpace(("x0",)), contact=on_top(rotation=about, force=1))
+    with refused("obstacle_turns_in_a_sector"):
+        sector = CyclicSymmetry(on="x0", against="x1", sectors=4)
+        Scene(**flat, cyclic_symmetry=sector, contact=on_top(rotation=about))
     with refused("obstacle_turns_in_motion"):
         moving = Motion(end=1, step=0.1)
         Scene(**flat, motion=moving, contact=on_top(rotation=about, rotation_path=CONSTANT))
