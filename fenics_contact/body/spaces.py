@@ -25,7 +25,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import largest, raise_together, smallest, total
-from fenics_contact.mesh.tagged_mesh import Body, Group
+from fenics_contact.mesh.tagged_mesh import CLOSE, Body, Group
 from fenics_contact.scene.values import Value
 
 
@@ -152,7 +152,11 @@ class Spaces:
         """Local indices (owned and ghost) of the nodes on a group; collective."""
         if group not in self._nodes:
             entities, dimension = self.body.entities(group), group.dimension
-            found = fem.locate_dofs_topological(self.displacement_space, dimension, entities)
+            if group.places:
+                places = group.at(self.coordinates, CLOSE * self.size)
+                found = np.flatnonzero(places).astype(np.int32)
+            else:
+                found = fem.locate_dofs_topological(self.displacement_space, dimension, entities)
             self._nodes[group] = np.sort(found)
         return self._nodes[group]
 

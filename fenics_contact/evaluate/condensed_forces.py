@@ -75,10 +75,11 @@ class CondensedForces(InternalForces):
 
         Springs of supports are stretched by displacements that are found inside; faces that are
         coupled move by scalars, and the cut faces of a sector pull at each other, of which its rows
-        do not know.
+        do not know. At points that are held forces are asked for dof by dof.
         """
         problem = system.problem
-        if problem.feet or problem.couplings.size or problem.discrete.cut is not None:
+        is_coupled = problem.couplings.size > 0 or problem.discrete.cut is not None
+        if problem.feet or is_coupled or problem.at_places:
             return BulkForces(system.problem, solution)
         scalars = system.scalar_values(system.state)
         moved = system.contact_displacements()

@@ -23,6 +23,10 @@ _BOUNDARY_PARTS = {2: "curve", 3: "surface"}
 _BODY = "body"  # the whole body's group, where the file names none
 
 
+# Begin and end of a straight piece of an edge, the same of a point (length).
+Piece = tuple[tuple[float, ...], tuple[float, ...]]
+
+
 @dataclass(frozen=True)
 class PartTags:
     """Tags of the parts of a file.
@@ -32,12 +36,14 @@ class PartTags:
         body: Part of the body → tags of its cells.
         boundary: Part of the boundary → tags of its facets.
         outside: Part of the boundary → how many of its facets are no sides of cells.
+        places: Dimension and part of points, and of edges in space → their pieces, as of ``Group``.
     """
 
     dimension: int
     body: Mapping[int, set[int]]
     boundary: Mapping[int, set[int]]
     outside: Mapping[int, int]
+    places: Mapping[tuple[int, int], Sequence[Piece]]
 
     def group(self, dimension: int, parts: Iterable[int], centre: Sequence[float] = ()) -> Group:
         """The group of some parts of the body, or of its boundary.
@@ -53,6 +59,16 @@ class PartTags:
         if dimension < self.dimension:
             lost = sum(self.outside.get(part, 0) for part in parts)
         return Group(dimension, tuple(sorted(tags)), lost, tuple(centre))
+
+    def of_places(self, dimension: int, parts: Iterable[int]) -> Group:
+        """The group of some points, or of some edges in space.
+
+        Args:
+            dimension: 0 or 1.
+            parts: Their numbers.
+        """
+        pieces = [piece for part in parts for piece in self.places.get((dimension, part), ())]
+        return Group(dimension, (), places=tuple(dict.fromkeys(pieces)))
 
 
 def named_groups(
@@ -86,6 +102,9 @@ def named_groups(
         group.dimension < tags.dimension for group in groups.values()
     ):
         groups.setdefault(_BODY, tags.group(tags.dimension, tags.body))
+    for found in description["groups"]:
+        if found["name"] and found["dimension"] < tags.dimension - 1:
+            groups.setdefault(found["name"], tags.of_places(found["dimension"], found["parts"]))
     sides = {
         str(part["tag"]): tags.group(tags.dimension - 1, [part["tag"]], part["centre"])
         for part in description["parts"]

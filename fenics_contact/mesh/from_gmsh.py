@@ -23,7 +23,7 @@ from fenics_contact.mesh.cell_checks import (
     check_points,
     vertex_keys,
 )
-from fenics_contact.mesh.file_groups import PartTags, left_out, named_groups
+from fenics_contact.mesh.file_groups import PartTags, Piece, left_out, named_groups
 from fenics_contact.mesh.readers.element_kinds import complete, dimension_of_name
 from fenics_contact.mesh.tagged_mesh import Group, Relation
 from fenics_contact.scene.scene import MeshSource
@@ -126,7 +126,8 @@ def build(
     corners = len(_corners_of_facets(cell)[0])
     facets, facet_tags, boundary, _ = _unique(facets, facet_parts, corners, len(points))
     facets = facets[:, _permutation(_SIDES[corners], facets.shape[1])]
-    tags = PartTags(dimension, body, boundary, outside)
+    places = _places(read, old_tags, points)
+    tags = PartTags(dimension, body, boundary, outside, places)
     groups, by_number, sides = named_groups(key, source, description, tags)
     relations = tuple(_relation(**found) for found in description.get("relations", ()))
     return MeshArrays(
@@ -242,6 +243,31 @@ def _facets(
         parts[known],
         dict(zip(lost.tolist(), counts.tolist(), strict=True)),
     )
+
+
+# Gmsh's types of points and edges, by their dimension.
+_SLENDER = {0: (15,), 1: (1, 8)}
+
+
+def _places(
+    read: Mapping[str, Any], old_tags: Integers, points: Array
+) -> dict[tuple[int, int], list[Piece]]:
+    """Pieces of points, and of edges in space, by their dimension and part.
+
+    Edges of order 2 are known by their nodes alone. Nodes that no cell has are left out.
+    """
+    found: dict[tuple[int, int], list[Piece]] = {}
+    for dimension in range(points.shape[1] - 1):
+        for kind in _SLENDER[dimension]:
+            nodes = read.get(f"nodes_{kind}", np.zeros((0, 1))).astype(np.int64)
+            place = np.minimum(np.searchsorted(old_tags, nodes), len(old_tags) - 1)
+            known = (old_tags[place] == nodes).all(axis=1)
+            rows = zip(place[known], read.get(f"parts_{kind}", known)[known], strict=True)
+            for row, part in rows:
+                every = [tuple(points[node].tolist()) for node in row]
+                pieces = [(every[0], every[-1])] if len(every) < 3 else [(p, p) for p in every]
+                found.setdefault((dimension, int(part)), []).extend(pieces)
+    return found
 
 
 def _unique(

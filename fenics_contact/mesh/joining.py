@@ -127,7 +127,7 @@ def _named(name: str, relation: Relation) -> Relation:
 
 def _moved(group: Group, shifts: Mapping[int, int]) -> Group:
     """A group after its tags were shifted, by the dimension of what they mark."""
-    by = shifts[group.dimension]
+    by = shifts.get(group.dimension, 0)  # points, and edges in space, have none
     return dataclasses.replace(group, tags=tuple(tag + by for tag in group.tags))
 
 

@@ -229,7 +229,7 @@ def _of_neighbours(mesh: MeshArrays) -> dict[str, Any]:
 def _surfaces(mesh: MeshArrays) -> list[Group]:
     """Groups of facets."""
     groups = (*mesh.groups.values(), *mesh.numbers.values())
-    return [group for group in groups if group.dimension < mesh.points.shape[1]]
+    return [group for group in groups if group.dimension == mesh.points.shape[1] - 1]
 
 
 def load_to_look(source: MeshSource) -> tuple[MeshArrays, dict[str, Any]]:

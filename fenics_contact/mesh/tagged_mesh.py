@@ -12,29 +12,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fenics_contact.common import dolfinx_versions as compat
+from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.common.wording import one_line, question
 
 # Of a cell's size: middle nodes that lie so little aside leave moments balanced to round-off.
 _STRAIGHT = 1e-10
+#: Of a mesh's extent: nodes that are so near to a named place are there.
+CLOSE = 1e-9
 
 
 @dataclass(frozen=True)
 class Group:
     """A physical group: its topological dimension and the tags of its parts.
 
+    Points, and edges in space, have no tags, but the places of their nodes: all nodes there are
+    theirs.
+
     Attributes:
-        dimension: That of the body, or one less.
+        dimension: That of the body, or one less; less of points and of edges in space.
         tags: Values of the mesh tags.
         outside: How many of its facets are no sides of the body's cells.
         centre: Where a numbered part is, for messages.
+        places: Begin and end of straight pieces, the same of points, (components,) each (length).
     """
 
     dimension: int
     tags: tuple[int, ...]
     outside: int = 0
     centre: tuple[float, ...] = field(default=(), compare=False)
+    places: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...] = ()
+
+    def at(self, points: Array, close: float) -> Flags:
+        """Whether points are at its places, (points,).
+
+        Args:
+            points: Coordinates, (points, 3) (length).
+            close: Distance that is none (length).
+        """
+        found = np.zeros(len(points), dtype=bool)
+        for begin, end in self.places:
+            first, way = np.array(begin), np.subtract(end, begin)
+            arms = points[:, : len(first)] - first
+            share = np.clip(arms @ way / (way @ way or 1.0), 0.0, 1.0)
+            found |= np.linalg.norm(arms - share[:, None] * way, axis=1) <= close
+        return found
 
 
 @dataclass(frozen=True)
@@ -153,7 +176,7 @@ class Body:
                 f"{key} = '{name}': there is no such physical group in {self.source}"
                 f"{question(name, map(one_line, self.groups))}; there are: {self.known_groups()}"
             )
-        kind = "cells" if group.dimension == self.dimension else "facets"
+        kind = {0: "cells", 1: "facets"}.get(self.dimension - group.dimension, "nodes")
         if group.outside:
             raise InputError(
                 f"{key} = '{name}': {group.outside} of its {kind} are no sides of the body's cells"
@@ -182,6 +205,8 @@ class Body:
         """
         group = self.group(name, key)
         if group.dimension != self.dimension - 1:
+            if group.places:
+                raise InputError(f"{key} = '{name}': must be a boundary, not points or edges")
             raise InputError(f"{key} = '{name}': must be a boundary, not a part of the body")
         facets = self._owned(group)
         inside = np.setdiff1d(facets, compat.exterior_facets(self.mesh))
@@ -269,7 +294,7 @@ class Body:
         return group
 
     def entities(self, group: Group) -> NDArray[np.int32]:
-        """Local indices (owned and ghost, sorted) of the cells or facets of a group.
+        """Local indices (owned and ghost, sorted) of the cells or facets of a group, if it has any.
 
         Args:
             group: One of this body.
@@ -278,6 +303,10 @@ class Body:
         return np.asarray(tags.indices[np.isin(tags.values, group.tags)])
 
     def _owned(self, group: Group) -> NDArray[np.int32]:
+        if group.places:
+            points = self.mesh.geometry.x
+            extent = largest(self.mesh.comm, np.abs(points).max(initial=0.0))
+            return np.flatnonzero(group.at(points, CLOSE * extent)).astype(np.int32)
         self.mesh.topology.create_entities(group.dimension)
         entities = self.entities(group)
         return np.asarray(

@@ -266,6 +266,12 @@ class Problem:
         """The part of values of all scalar unknowns that is the body's, (body_scalars,)."""
         return scalars[len(scalars) - len(self.body_scalars) :]
 
+    @cached_property
+    def at_places(self) -> list[int]:
+        """Numbers of the supports that hold points, or edges in space."""
+        found = [self.body.find(support.on) for support in self.scene.support]
+        return [number for number, group in enumerate(found) if group and group.places]
+
     @property
     def couplings(self) -> Integers:
         """Numbers of the applied supports that are couplings."""

@@ -51,6 +51,12 @@ WORDS: Mapping[str, CheckWords] = {
         "where a motion that nothing resists is held, {share} of the forces act; the loads push "
         "it, so give it a support, or friction",
     ),
+    "point_support": CheckWords(
+        "The largest force where a support holds a point, or an edge in space, which is to hold "
+        "rigid motions alone; over all forces applied and all reactions.",
+        "a point or an edge that a support holds takes {share} of the forces, under which no mesh "
+        "ends what it gives way; hold a boundary there",
+    ),
     "preload": CheckWords(
         "The force along each preloaded part that is not locked against the one that it is "
         "tightened to; over the largest force.",

@@ -266,6 +266,28 @@ def stabilisation(forces: InternalForces) -> Check | None:
     return Check(value, _NO_FORCE + 2 * forces.solution.imbalance_limit / size)
 
 
+def point_supports(forces: InternalForces) -> Check | None:
+    """Largest force where a point is held, or an edge in space, over all forces; collective.
+
+    No finite force acts on so little of a body: what gives way there grows without end as cells get
+    smaller. None where boundaries hold these dofs, too.
+    """
+    problem = forces.problem
+    if not problem.at_places:
+        return None
+    applied = problem.applied_supports
+    others = [one.dofs for number, one in enumerate(applied) if number not in problem.at_places]
+    dofs = np.unique(np.concatenate([applied[number].dofs for number in problem.at_places]))
+    dofs = np.setdiff1d(dofs, np.concatenate([dofs[:0], *others]))
+    owned = problem.spaces.owned_nodes
+    acting = np.abs(forces.load[:owned]).sum() + np.abs(forces.contacts[:owned]).sum()
+    reactions = np.where(problem.free, 0.0, forces.unbalanced)[:owned]
+    size = total(problem.comm, float(acting + np.abs(reactions).sum())) or 1.0
+    own = dofs[dofs < owned * problem.spaces.components]
+    value = largest(problem.comm, np.abs(forces.unbalanced.reshape(-1)[own])) / size
+    return Check(value, _NO_FORCE + 2 * forces.imbalance / size)
+
+
 # Boundary stress against reactions: first order in the size h of the cells behind the facets,
 # whose stress it is (corners and the stick-slip edge cap the order). Over 320 random scenes, from
 # 2 facets up and with cells deeper than wide, the difference was at most 2.1 h/L with degree 1 and

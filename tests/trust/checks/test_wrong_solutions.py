@@ -14,6 +14,7 @@ from mpi4py import MPI
 from fenics_contact import (
     Check,
     Contact,
+    Group,
     Load,
     Material,
     Obstacle,
@@ -109,6 +110,20 @@ def loose():
         solver=SolverSettings(stabilisation=True),
     )
     return Run(scene, COMM, box_body((8, 4), (2, 1)))
+
+
+def held_at_a_point():
+    """The same, held by one of its corners."""
+    top = Group(0, (), places=(((0.0, 1.0), (0.0, 1.0)),))
+    body = box_body((8, 4), (2, 1))
+    scene = Scene(
+        kinematics="plane strain",
+        material=MATERIAL,
+        support=(Support("corner", {"x": 0}),),
+        load=(Load("y1", pressure=10),),
+        contact=(Contact("y0"),),
+    )
+    return Run(scene, COMM, dataclasses.replace(body, groups=dict(body.groups) | {"corner": top}))
 
 
 def tightened():
@@ -289,6 +304,13 @@ def pushed_where_held(prepared, monkeypatch):
     return with_body(prepared.solution, internal_force=internal)
 
 
+def pushed_at_a_point(prepared, monkeypatch):
+    """The corner that is held gets a force, 1e-5 of those that press the block."""
+    internal = prepared.solution.internal_force.copy()
+    internal.reshape(-1)[prepared.problem.applied_supports[0].dofs] += 1e-5 * 20
+    return with_body(prepared.solution, internal_force=internal)
+
+
 def stretched(prepared, monkeypatch):
     """Displacements a thousandth too large."""
     moved = 1.001 * prepared.solution.displacement
@@ -342,6 +364,7 @@ BROKEN = {
     ("resultant", "pressure"): (strip, at_points(contact_pressure=1.001)),
     ("resultant", "part"): (glued, bulk(1.001)),
     ("stabilisation", ""): (loose, pushed_where_held),
+    ("point_support", ""): (held_at_a_point, pushed_at_a_point),
     ("preload", ""): (tightened, stretched),
     ("coupling", ""): (punched, stretched),
     ("cyclic_symmetry", "motion"): (ringed, moved_apart),
