@@ -258,22 +258,14 @@ class MotionForces(ScalarForces):
 
     Attributes:
         moved: Displacement of the face, 0 elsewhere, (nodes, components).
-        others: Present values of the body's other scalars, and their forces over these.
     """
 
     moved: Array
-    others: list[tuple[fem.Constant, float]]
 
     def force(self, displacement: Array, mean_stress: Array) -> float:
         """∂W/∂q, from the displacement of all nodes, those of the face too (force); collective."""
         own = super().force(displacement, mean_stress)
-        own -= self.stiffness * float(self.present.value)  # the displacement has it
-        return own + sum(value * float(present.value) for present, value in self.others)
-
-    def follow(self, others: Sequence[ScalarForces], shares: Array) -> None:
-        """Take other scalars of the body into account, with their forces over these, (others,)."""
-        known = zip(others, shares, strict=True)
-        self.others.extend((one.present, float(share)) for one, share in known)
+        return own - self.stiffness * float(self.present.value)  # the displacement has it
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,7 +311,9 @@ def point_forces(
         forces = (-tie * nodal, nothing)
         for of, one, other, force in zip(found, pair, reversed(pair), forces, strict=True):
             of.append(
-                PointForces(spaces, one, force, np.zeros(every), owned, 0.0, nothing, other, tie)
+                PointForces(
+                    *(spaces, one, force, np.zeros(every), owned, 0.0, [], nothing, other, tie)
+                )
             )
     return found
 
@@ -366,4 +360,4 @@ class MotionsOfFaces:
         own = slice(spaces.owned_nodes)
         stiffness = float(total(spaces.comm, float(np.sum(nodal[own] * moved[own]))))
         present = fem.Constant(spaces.body.mesh, 0.0)
-        return MotionForces(spaces, present, nodal, on_mean_stress, owned, stiffness, moved, [])
+        return MotionForces(spaces, present, nodal, on_mean_stress, owned, stiffness, [], moved)

@@ -134,10 +134,28 @@ class ElasticBody:
         ]
         self.ties = sum(len(one.nodal) for one in self.spreads if one is not None)
         self.scalar_stiffness = np.diag([one.stiffness for one in self.scalar_forces])
+        self._couple_parts()
         if self.faces:
             self._couple_faces(stiffness)
         self.joints = self.joined(description.joints)
         self.scalar_stiffness = self.scalar_stiffness + self.joints.stiffness
+
+    def _couple_parts(self) -> None:
+        """Add what the expansion of preloaded parts does to the forces in them; collective."""
+        spaces, forces, count = self._spaces, self.scalar_forces, len(self.preloaded)
+        for row, tight in enumerate(self.preloaded):
+            for column, heated in enumerate(self.heated, count):
+                cells = np.intersect1d(spaces.body.entities(tight.group), heated.cells)
+                if total(spaces.comm, len(cells)) == 0:
+                    continue
+                one, other = (part.stressless_strain(ufl.as_ufl(1.0)) for part in (tight, heated))
+                density = spaces.weight * ufl.inner(self._stress_of(one), other)
+                over = spaces.over_cells(cells, {"quadrature_degree": spaces.bulk_degree})
+                own = fem.assemble_scalar(form_cache.form(density * over))
+                found = float(total(spaces.comm, own))
+                self.scalar_stiffness[[row, column], [column, row]] = found
+                forces[row].follow([forces[column]], np.array([found]))
+                forces[column].follow([forces[row]], np.array([found]))
 
     def _couple_faces(self, stiffness: ufl.Form) -> None:
         """Add the ways in which faces move to the scalars of the energy; collective."""
@@ -309,11 +327,14 @@ class ElasticBody:
 
     def displacement_stress(self, displacement: Expr) -> Expr:
         """The stress that a displacement makes, shape (3, 3): where mixed, its deviatoric part."""
-        e = self.strain(displacement)
+        return self._stress_of(self.strain(displacement))
+
+    def _stress_of(self, strain: Expr) -> Expr:
+        """The stress of a strain, shape (3, 3): where mixed, its deviatoric part."""
         if self.mixed is None:
-            return self.law.stress(e)
+            return self.law.stress(strain)
         assert isinstance(self.law, Isotropic)
-        return self.law.deviatoric_stress(e)
+        return self.law.deviatoric_stress(strain)
 
     def _mixed_forms(self, law: Isotropic, several: bool) -> MixedForms:
         spaces = self._spaces

@@ -12,6 +12,7 @@ is the force along the axis, N = (1/l) ∫ a · σ a.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -132,6 +133,7 @@ class ScalarForces:
             without one.
         owned_stresses: How many of these dofs this rank owns.
         stiffness: ∂²W/∂q² (force/length).
+        others: Present values of the body's other scalars p, and ∂²W/∂p∂q (length, force/length).
     """
 
     spaces: Spaces
@@ -140,6 +142,7 @@ class ScalarForces:
     on_mean_stress: Array
     owned_stresses: int
     stiffness: float
+    others: list[tuple[fem.Constant, float]]
 
     @classmethod
     def of(
@@ -170,7 +173,7 @@ class ScalarForces:
             on_mean_stress = summed_over_ranks(index_map, np.array(found.array))
             owned = index_map.size_local
         own = float(total(spaces.comm, fem.assemble_scalar(form_cache.form(stiffness))))
-        return cls(spaces, present, nodal, on_mean_stress, owned, own)
+        return cls(spaces, present, nodal, on_mean_stress, owned, own, [])
 
     def force(self, displacement: Array, mean_stress: Array) -> float:
         """∂W/∂q at the present q (force); collective.
@@ -182,7 +185,13 @@ class ScalarForces:
         owned, nodes = self.owned_stresses, slice(0, self.spaces.owned_nodes)
         own = float(np.sum(self.nodal[nodes] * displacement[nodes]))
         own += float(self.on_mean_stress[:owned] @ mean_stress[:owned])
-        return float(total(self.spaces.comm, own)) + self.stiffness * float(self.present.value)
+        own = float(total(self.spaces.comm, own)) + self.stiffness * float(self.present.value)
+        return own + sum(value * float(present.value) for present, value in self.others)
+
+    def follow(self, others: Sequence[ScalarForces], shares: Array) -> None:
+        """Take other scalars of the body into account, with their forces over these, (others,)."""
+        known = zip(others, shares, strict=True)
+        self.others.extend((one.present, float(share)) for one, share in known)
 
 
 class PreloadedPart:

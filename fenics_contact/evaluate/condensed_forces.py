@@ -188,11 +188,9 @@ class CondensedForces(InternalForces):
         """The body's scalars, with the forces on them that follow from the displacement."""
         works, _ = self._of_given
         on_scalars = works[2 + len(self._moving) :]
+        on_scalars = on_scalars + self.problem.elastic.scalar_stiffness @ self._scalars
         known = zip(self.problem.body_scalars, self._scalars, on_scalars, strict=True)
-        return tuple(
-            one.state_at(float(force) + one.forces_on_body.stiffness * float(value), float(value))
-            for one, value, force in known
-        )
+        return tuple(one.state_at(float(force), float(value)) for one, value, force in known)
 
     def works_since(self, before: InternalForces | None) -> tuple[float, float]:
         """Works of loads and reactions since another answer, by the trapezoidal rule (energy)."""

@@ -33,6 +33,7 @@ from fenics_contact.verification.published.torque import (
     TORQUE_CASES,
 )
 from fenics_contact.verification.published.vibration import DAMPING_CASES, MODES_CASES
+from fenics_contact.verification.thermal.temperatures import TEMPERATURE_CASES
 
 CASES: tuple[Case, ...] = (
     *SLAB_CASES,
@@ -58,6 +59,7 @@ CASES: tuple[Case, ...] = (
     *SHAFT_TORQUE_CASES,
     *COUPLING_CASES,
     *ROTOR_CASES,
+    *TEMPERATURE_CASES,
     *WEAR_CASES,
     *WEAR_LIMIT_CASES,
     *FRETTING_CASES,

@@ -268,6 +268,8 @@ def test_fits_and_joints(name):
         "incline",
         "resting",
         "torque",
+        pytest.param("temperature", marks=pytest.mark.errors),
+        "temperature_joint",
     ],
 )
 def test_two_bodies(name):

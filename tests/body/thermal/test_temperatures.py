@@ -24,6 +24,7 @@ from fenics_contact import (
 )
 from fenics_contact.simulation.sensitivities.scene_values import found_in, with_changes
 from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.thermal.temperatures import warm_joint
 from tests.messages import refused
 from tests.scenes import box_body
 
@@ -198,6 +199,73 @@ def test_a_shrink_fit(ends, pressure, solver):
     assert abs(force - pressure * area) < bar
     assert bar < 0.02 * force
     assert force / area == pytest.approx(pressure, rel=2e-4)
+
+
+@pytest.mark.errors
+def test_error_bars_are_those_of_an_interference():
+    """A hub that is colder, and one that is drawn too tight by b α ΔT: the same pressure."""
+    shaft, hub = Box("shaft", (0, 0), (20, 5), (4, 2)), Box("hub", (20, 0), (40, 5), (5, 3))
+    colder = scene(
+        "axisymmetric",
+        Temperature("hub", value=-80),
+        support=tuple(Support(f"{name}.y0", {"y": 0.0}) for name in ("shaft", "hub")),
+        contact=(Contact("shaft.x1", against="hub.x0", law="none"),),
+        solver=SolverSettings(errors="all"),
+    )
+    contact = replace(colder.contact[0], interference=20 * ALPHA * 100)
+    tighter = replace(colder, temperature=(), contact=(contact,))
+    by_temperature, by_value = (run(one, COMM, boxes([shaft, hub])) for one in (colder, tighter))
+    for name in ("pressure_integral", "max_contact_pressure"):
+        for source in ("mesh", "penalty", "step"):
+            bar, other = (one.errors[name][source] for one in (by_temperature, by_value))
+            assert bar == pytest.approx(other, rel=1e-3), (name, source)
+
+
+@pytest.mark.errors
+def test_bars_cover_a_hub_whose_end_no_longer_faces_the_shaft():
+    """In four load steps the contact search is repeated: the hub has become shorter than the shaft.
+
+    The node at the shaft's end then bears nothing, which is of the mesh and of the load steps.
+    """
+    shaft, hub = Box("shaft", (0, 0), (20, 5), (4, 2)), Box("hub", (20, 0), (40, 5), (5, 3))
+    made = scene(
+        "axisymmetric",
+        Temperature("hub", value=-80),
+        support=tuple(Support(f"{name}.y0", {"y": 0.0}) for name in ("shaft", "hub")),
+        contact=(Contact("shaft.x1", against="hub.x0", law="none"),),
+        steps=Steps(4),
+        solver=SolverSettings(errors="all"),
+    )
+    found = run(made, COMM, boxes([shaft, hub]))
+    force, bars = found.quantities["pressure_integral"], found.errors["pressure_integral"]
+    expected = 94.5 * 2 * np.pi * 20 * 5
+    assert 1e-3 * expected < abs(force - expected) < bars["mesh"] + bars["step"]
+    assert bars["step"] > 1e-3 * expected
+    assert found.errors["max_contact_pressure"]["step"] > 0.1 * 94.5
+    assert found.errors["max_contact_pressure"]["total"] is None
+
+
+@pytest.mark.parametrize("solver", ["condensed", "full"])
+@pytest.mark.parametrize("ratio", [0.3, 0.499])
+@pytest.mark.parametrize("locked", [1.0, None])
+def test_a_bolt_that_is_warm(locked, ratio, solver):
+    """Its force is what its foot holds; one that is not locked keeps it, and gives way."""
+    made, body = warm_joint()
+    made = replace(
+        made,
+        kinematics="plane strain",
+        material=tuple(replace(one, poissons_ratio=ratio) for one in made.material),
+        preload=tuple(replace(one, locked_from=locked) for one in made.preload),
+        derivatives=None,
+        solver=SolverSettings(solver=solver, errors="none"),
+    )
+    found = run(made, COMM, body)
+    assert found.passed, found.verdict
+    forces = [step.preloads["bolt"].force for step in found.steps]
+    feet = [-step.supports[0].reaction[1] for step in found.steps]
+    assert forces == pytest.approx(feet, rel=1e-8)
+    assert (forces[1] == pytest.approx(forces[0], rel=1e-8)) == (locked is None)
+    assert forces[0] == pytest.approx(20e3, rel=1e-8)
 
 
 def test_a_disc_that_is_hot_inside():
