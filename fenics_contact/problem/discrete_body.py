@@ -21,6 +21,7 @@ from fenics_contact.common.arrays import Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.choice_of_slaves import NamedSurfaces, choose_slaves
+from fenics_contact.contact.cut_projection import CutProjection
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene
@@ -61,7 +62,10 @@ class DiscreteBody:
         self.outer = self._outer_dofs()
         self.constrained = np.union1d(self.held.dofs, self.outer)
         sector = description.cyclic_symmetry
-        self.cut = None if sector is None else CutFaces(sector, self.spaces)
+        self.cut: CutFaces | None = None
+        if sector is not None:
+            mortar = CutProjection(self.spaces, sector.on, sector.against).shares
+            self.cut = CutFaces(sector, self.spaces, mortar)
         self.elastic = ElasticBody(description, self.spaces, self.displacement, self.held)
         self.is_kept = False
         self.found: dict[Hashable, Any] = {}

@@ -133,6 +133,86 @@ def test_a_sector_that_is_twisted():
     assert abs(result.cyclic_symmetry.force[0]) == pytest.approx(expected, rel=5e-3)
 
 
+def graded(dimension, cell="", amount=0.3, skew=0.0):
+    """A sector of a ring whose cut faces are divided differently.
+
+    Args:
+        dimension: 2 or 3.
+        cell: Kind of the cells.
+        amount: By which they differ.
+        skew: Angle by which the rim is ahead of the bore: the faces are curved then (radian).
+    """
+    length = 2.0 if dimension == 3 else None
+    body = ring(3, order=1, turn=1 / SECTORS, layers=4, cell=cell, length=length)
+    x = body.mesh.geometry.x
+    turned, share = np.arctan2(x[:, 1], x[:, 0]), (np.hypot(x[:, 0], x[:, 1]) - 10) / 20
+    ahead = turned * SECTORS / (2 * np.pi)
+    share = share + amount * share * (1 - share) * ahead
+    if dimension == 3:
+        x[:, 2] += 0.5 * amount * x[:, 2] * (2 - x[:, 2]) * np.cos(turned * SECTORS / 2)
+    turned, radius = turned + skew * share, 10 + 20 * share
+    x[:, 0], x[:, 1] = radius * np.cos(turned), radius * np.sin(turned)
+    return body
+
+
+@pytest.mark.parametrize(
+    ("dimension", "cell", "degree", "solver"),
+    [
+        (2, "triangle", 1, "condensed"),
+        (2, "quadrilateral", 2, "full"),
+        (3, "hexahedron", 1, "condensed"),
+        (3, "tetrahedron", 2, "full"),
+    ],
+)
+def test_a_uniform_stress_crosses_a_cut_that_does_not_match(dimension, cell, degree, solver):
+    """Pressed inside and outside: u = −k (x, y), exactly, for faces on meshes of their own."""
+    flat = dimension == 2
+    scene = Scene(
+        kinematics="plane strain" if flat else "3D",
+        material=Material(E, NU),
+        discretisation=Discretisation(degree),
+        support=() if flat else (Support("ring.z0", {"z": 0}),),
+        load=tuple(Load(f"ring.{side}", pressure=1) for side in ("y0", "y1")),
+        point=(Point("bore", (10.0, 0.0, 0.0)[:dimension]),),
+        solver=SolverSettings(solver=solver, stabilisation=True),
+        cyclic_symmetry=CyclicSymmetry(
+            "ring.x0", "ring.x1", SECTORS, None if flat else (0, 0, 1), (0.0,) * dimension
+        ),
+    )
+    run = Run(scene, COMM, graded(dimension, cell))
+    result = run.solve()
+    assert result.passed, result.verdict
+    shrunk = (1 + NU) * (1 - 2 * NU) / E if flat else (1 - NU) / E
+    places = run.problem.spaces.coordinates[:, :2]
+    moved = run.problem.displacement.x.array.reshape(-1, dimension)[:, :2] + shrunk * places
+    # What turns freely is held at some displacement: apart from that turn it is exact.
+    across = np.einsum("ni,ni->n", moved, places) / (places**2).sum(axis=1)
+    about = (moved[:, 1] * places[:, 0] - moved[:, 0] * places[:, 1]) / (places**2).sum(axis=1)
+    turns = COMM.allreduce(about.max(), MPI.MAX), COMM.allreduce(about.min(), MPI.MIN)
+    assert np.abs(across).max() < 1e-10 * shrunk
+    assert turns[0] - turns[1] < 1e-10 * shrunk
+
+
+def test_a_cut_that_does_not_match_twists():
+    """As a sector of equal faces: curved ones, which facets approximate differently."""
+    shear, outer = 0.1, 30.0
+    scene = Scene(
+        kinematics="plane stress",
+        material=Material(E, NU),
+        discretisation=Discretisation(2),
+        support=(Support("ring.y0", {"x": 0, "y": 0}),),
+        load=(Load("ring.y1", traction=around(shear)),),
+        cyclic_symmetry=CUT,
+    )
+    found = [Run(scene, COMM, graded(2, amount=amount, skew=0.1)).solve() for amount in (0.0, 0.3)]
+    assert all(result.passed for result in found)
+    energies = [result.quantities["strain_energy"] for result in found]
+    assert energies[1] == pytest.approx(energies[0], rel=2e-3)
+    assert found[1].cyclic_symmetry.whole["torque"] == pytest.approx(
+        -2 * np.pi * outer**2 * shear, rel=2e-2
+    )
+
+
 def pinwheel(whole, at=(0.0, 0.0), solver="condensed", dimension=2):
     """A square, or a bar, that is pushed along its sides; a quarter of it has its middle in it."""
     end = (2.0, 2.0, 1.0)[:dimension]
@@ -213,9 +293,14 @@ def test_error_bars_of_a_sector_hold_what_a_finer_mesh_changes():
 
 
 def test_cut_faces_that_are_no_copies():
-    cut = CyclicSymmetry("cut0", "cut1", 11)
-    with refused("sector_of_another_angle"):
-        Run(dataclasses.replace(fitted(False), cyclic_symmetry=cut), COMM, hub_on_shaft(1))
+    body = hub_on_shaft(1)
+    for cut, message in (
+        (CyclicSymmetry("cut0", "cut1", 11), "sector_of_another_angle"),
+        (CyclicSymmetry("cut0", "cut1", SECTORS, at=(0.1, 0.0)), "sector_about_another_point"),
+        (CyclicSymmetry("cut0", "shaft.x1", SECTORS), "sector_with_half_a_face"),
+    ):
+        with refused(message):
+            Run(dataclasses.replace(fitted(False), cyclic_symmetry=cut), COMM, body)
 
 
 def test_supports_that_hold_one_face_otherwise():

@@ -10,10 +10,10 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import coo_matrix, csr_matrix, kron, vstack
 
 from fenics_contact.body.cyclic.gathered_dofs import GatheredDofs
-from fenics_contact.body.cyclic.matching import FaceNodes, matched_nodes
+from fenics_contact.body.cyclic.matching import FaceNodes, Mortar, NodeShares, matched_nodes
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
@@ -43,12 +43,13 @@ class CutFaces:
     Args:
         given: What the scene says.
         spaces: Those of the body.
+        mortar: Finds how nodes follow where the meshes of the faces do not match; collective.
 
     Raises:
         InputError: The faces are no turned copies of each other.
     """
 
-    def __init__(self, given: CyclicSymmetry, spaces: Spaces) -> None:
+    def __init__(self, given: CyclicSymmetry, spaces: Spaces, mortar: Mortar) -> None:
         self.given, self._spaces = given, spaces
         size = spaces.components
         along = np.array((0.0, 0.0, 1.0) if given.axis is None else given.axis, dtype=np.float64)
@@ -57,19 +58,22 @@ class CutFaces:
         self.centre[:size] = 0.0 if given.at is None else given.at
         on, against = self._nodes("on", given.on), self._nodes("against", given.against)
         self._extent = max(float(self._distances(face.places).max()) for face in (on, against))
-        turn, pairs = matched_nodes(given, self.axis, self.centre, (on, against))
+        turn, pairs = matched_nodes(given, self.axis, self.centre, (on, against), mortar)
         self.rotation = np.where(np.abs(turn) < _NONE, 0.0, turn)[:size, :size]
-        self._pairs = self._off_axis(on, against, pairs)
-        rows, columns, values = self._entries()
-        self.slaves = GatheredDofs(np.unique(rows), spaces)
-        acting = columns >= 0
-        self.masters = GatheredDofs(np.unique(columns[acting]), spaces)
-        places = (
-            np.searchsorted(self.slaves.numbers, rows[acting]),
-            np.searchsorted(self.masters.numbers, columns[acting]),
-        )
-        shape = (len(self.slaves.numbers), len(self.masters.numbers))
-        self.matrix = csr_matrix(coo_matrix((values[acting], places), shape=shape))
+        self._nodes_of_both = np.union1d(on.numbers, against.numbers)
+        is_off = self._distances(on.places) > _ON_AXIS * self._extent
+        self._off_axis, on_axis = on.numbers[is_off], on.numbers[~is_off]
+        self._shares = self._of_both(pairs)
+        axial, held = self._along_axis(on_axis)
+        turned = csr_matrix(kron(self._shares, self.rotation) @ axial)
+        every = (self._nodes_of_both[:, None] * size + np.arange(size)).ravel()
+        rows = (self._off_axis[:, None] * size + np.arange(size)).ravel()
+        rows, matrix = np.concatenate([rows, every[held]]), vstack([turned, axial[held]], "csr")
+        matrix.eliminate_zeros()
+        order, columns = np.argsort(rows), np.unique(matrix.indices)
+        self.slaves = GatheredDofs(rows[order], spaces)
+        self.masters = GatheredDofs(every[columns], spaces)
+        self.matrix = csr_matrix(matrix[order][:, columns])
 
     def _nodes(self, side: str, name: str) -> FaceNodes:
         """The nodes of a face; collective."""
@@ -87,34 +91,38 @@ class CutFaces:
         arms = places - self.centre
         return np.asarray(np.linalg.norm(arms - np.outer(arms @ self.axis, self.axis), axis=1))
 
-    def _off_axis(self, on: FaceNodes, against: FaceNodes, pairs: Integers) -> Integers:
-        """Numbers of each slave node and its master, (pairs, 2), without those on the axis."""
-        on_axis = self._distances(on.places) <= _ON_AXIS * self._extent
-        self._on_axis = on.numbers[on_axis]
-        return np.column_stack([on.numbers, against.numbers[pairs]])[~on_axis]
+    def _of_both(self, pairs: NodeShares) -> csr_matrix:
+        """Shares of nodes of both faces in those of ``on`` off the axis, (nodes, nodes of both)."""
+        order = np.argsort(pairs.on)
+        rows = order[np.searchsorted(pairs.on[order], self._off_axis)]
+        entries = pairs.shares[rows].tocoo()
+        columns = np.searchsorted(self._nodes_of_both, pairs.against[entries.col])
+        shape = (len(rows), len(self._nodes_of_both))
+        return csr_matrix(coo_matrix((entries.data, (entries.row, columns)), shape=shape))
 
-    def _entries(self) -> tuple[Integers, Integers, Array]:
-        """Rows, columns and values of C by the numbers of dofs; −1 for a column of none."""
-        size = self._spaces.components
-        i, j = (part.ravel() for part in np.indices((size, size)))
-        acts = self.rotation[i, j] != 0
-        i, j = i[acts], j[acts]
-        slaves, masters = self._pairs.T
-        rows, columns = slaves[:, None] * size + i, masters[:, None] * size + j
-        values = np.broadcast_to(self.rotation[i, j], rows.shape)
-        # On the axis only motions along it are left: components follow from the largest of it.
+    def _along_axis(self, nodes: Integers) -> tuple[csr_matrix, Integers]:
+        """Displacements of nodes of both faces, of which those on the axis move along it alone.
+
+        Their components follow from the largest one of the axis; in the plane there is none.
+
+        Args:
+            nodes: Those on the axis.
+
+        Returns:
+            Over all dofs of these nodes, square, and the places of those that follow.
+        """
+        size, count = self._spaces.components, len(self._nodes_of_both)
         first = int(np.abs(self.axis[:size]).argmax())
         others = np.array([k for k in range(size) if size == 2 or k != first])
-        along = 0.0 if size == 2 else self.axis[others] / self.axis[first]
-        held = self._on_axis[:, None] * size + others
-        ahead = np.where(np.broadcast_to(along, held.shape) != 0, held - others + first, -1)
-        found = (
-            (rows, held),
-            (columns, ahead),
-            (values, np.broadcast_to(along, held.shape)),
-        )
-        row, column, value = (np.concatenate([p.ravel() for p in parts]) for parts in found)
-        return row.astype(np.int64), column.astype(np.int64), value.astype(np.float64)
+        factors = np.zeros(size) if size == 2 else self.axis / self.axis[first]
+        places = np.searchsorted(self._nodes_of_both, nodes)[:, None] * size
+        held = (places + others).ravel()
+        free = np.setdiff1d(np.arange(count * size), held)
+        ahead = np.repeat(places + first, len(others))
+        values = np.concatenate([np.ones(len(free)), np.tile(factors[others], len(nodes))])
+        entries = np.concatenate([free, held]), np.concatenate([free, ahead])
+        shape = (count * size, count * size)
+        return csr_matrix(coo_matrix((values, entries), shape=shape)), held
 
     @property
     def is_slave(self) -> Flags:
@@ -200,21 +208,20 @@ class CutFaces:
         Args:
             nodal: At this rank's nodes, (nodes, columns): vectors (components), then scalars.
         """
-        size, width = self._spaces.components, nodal.shape[1]
-        numbers = np.unique(self._pairs)
+        size, numbers = self._spaces.components, self._nodes_of_both
         index_map = self._spaces.displacement_space.dofmap.index_map
         local = index_map.global_to_local(numbers)
         own = (local >= 0) & (local < self._spaces.owned_nodes)
-        values = np.zeros((len(numbers), width))
+        values = np.zeros((len(numbers), nodal.shape[1]))
         values[own] = nodal[local[own]]
         values = np.asarray(total(self._spaces.comm, values))
-        slave, master = (np.searchsorted(numbers, one) for one in self._pairs.T)
-        added = np.zeros_like(values)
-        added[slave], added[master] = values[master], values[slave]
-        added[slave, :size] = values[master, :size] @ self.rotation.T
-        added[master, :size] = values[slave, :size] @ self.rotation
+        slaves = np.searchsorted(numbers, self._off_axis)
+        on, against = self._shares @ values, self._shares.T @ values[slaves]
+        on[:, :size] = on[:, :size] @ self.rotation.T
+        against[:, :size] = against[:, :size] @ self.rotation
+        against[slaves] += on
         found = np.zeros_like(nodal)
-        found[local[local >= 0]] = added[local >= 0]
+        found[local[local >= 0]] = against[local >= 0]
         return found
 
     def mismatch(self, displacement: Array) -> float:

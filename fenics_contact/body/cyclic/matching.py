@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import InputError
@@ -30,22 +31,50 @@ class FaceNodes:
     parts: Integers
 
 
+@dataclass(frozen=True, eq=False)
+class NodeShares:
+    """How nodes of a cut face follow from those of the other.
+
+    Attributes:
+        on: Numbers of its nodes over all ranks, (nodes,).
+        against: Those of the other.
+        shares: Shares of these, (nodes of on, nodes of against).
+        off: How far the faces are apart beyond what facets miss of a curved one; infinite where
+            one does not cover the other (length).
+    """
+
+    on: Integers
+    against: Integers
+    shares: csr_matrix
+    off: float
+
+
+# Gives the shares between faces on meshes that do not match, by the turn (3, 3) and a point of the
+# axis, (3,); collective.
+Mortar = Callable[[Array, Array], NodeShares]
+
+
 def matched_nodes(
-    given: CyclicSymmetry, axis: Array, centre: Array, faces: Sequence[FaceNodes]
-) -> tuple[Array, Integers]:
-    """The turn that takes ``against`` to ``on``, and which node it takes to each of ``on``.
+    given: CyclicSymmetry,
+    axis: Array,
+    centre: Array,
+    faces: tuple[FaceNodes, FaceNodes],
+    mortar: Mortar,
+) -> tuple[Array, NodeShares]:
+    """The turn that takes ``against`` to ``on``, and how nodes follow; collective.
 
     Args:
         given: What the scene says.
         axis: Unit vector, (3,).
         centre: A point of the axis, (3,) (length).
         faces: The nodes of ``on`` and ``against``.
+        mortar: Finds shares where no node is another's.
 
     Returns:
-        R, (3, 3), and places in the list of nodes of ``against``, (nodes of on,).
+        R, (3, 3), and the shares.
 
     Raises:
-        InputError: No turn by 2π/sectors takes one face to the other, or not node to node.
+        InputError: No turn by 2π/sectors takes one face to the other.
     """
     on, against = (face.places for face in faces)
     extent = float(np.linalg.norm(np.ptp(np.concatenate([on, against]), axis=0)))
@@ -54,15 +83,21 @@ def matched_nodes(
         turn = turned(axis, sign * 2 * np.pi / given.sectors)
         moved = centre + (against - centre) @ turn.T
         tries.append((*_nearest((on, faces[0].parts), (moved, faces[1].parts), extent), turn))
-    off, pairs, turn = min(tries, key=lambda one: one[0])
-    if off > _SAME * extent or len(np.unique(pairs)) < max(len(on), len(against)):
+    apart, pairs, turn = min(tries, key=lambda one: one[0])
+    if apart <= _SAME * extent and len(np.unique(pairs)) == len(on) == len(against):
+        places = np.arange(len(on)), pairs
+        ones = coo_matrix((np.ones(len(on)), places), shape=(len(on), len(on)))
+        return turn, NodeShares(faces[0].numbers, faces[1].numbers, csr_matrix(ones), apart)
+    found = mortar(turn, centre)
+    if found.off > _SAME * extent:
+        off = found.off if np.isfinite(found.off) else apart
         raise InputError(
-            f"cyclic_symmetry.against = '{given.against}': turned by {given.angle:.6g} degrees, "
-            f"nodes of it are up to {off:.3g} away from those of '{given.on}', which stands "
+            f"cyclic_symmetry.against = '{given.against}': turned by {given.angle:.6g} degrees, it "
+            f"is up to {off:.3g} away from '{given.on}', which stands "
             f"{_apart(axis, centre, on, against):.6g} degrees from it; the two cut faces must be "
-            "turned copies of each other, node by node"
+            "turned copies of each other"
         )
-    return turn, pairs
+    return turn, found
 
 
 # Places, (nodes, 3), and the connected part of each node, (nodes,).

@@ -22,7 +22,7 @@ from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NoEquilibriumError
-from fenics_contact.common.parallel import on_root, total
+from fenics_contact.common.parallel import largest, on_root, total
 from fenics_contact.problem.existence.friction_cones import contact_cones, separation_from
 from fenics_contact.problem.existence.limit_analysis import AT_LIMIT, LimitAnalysis
 from fenics_contact.problem.existence.stabilisation import named_motions, stabilise
@@ -94,9 +94,9 @@ def _require_something(problem: Problem, rigid: RigidMotions) -> None:
         NoEquilibriumError: Nothing does, so that there is nothing to be found.
     """
     scene = problem.scene
-    if not (
-        scene.support or scene.symmetry or scene.contact or problem.unknowns or rigid.force_size
-    ):
+    # Loads of a sector need do no work in any motion that the cut leaves.
+    acts = rigid.force_size or largest(problem.comm, np.abs(problem.load))
+    if not (scene.support or scene.symmetry or scene.contact or problem.unknowns or acts):
         notes = "".join(f"; {note}" for note in problem.body.notes)
         raise NoEquilibriumError(
             "no equilibrium: the scene has neither a support nor a contact nor a load, and leaves "
