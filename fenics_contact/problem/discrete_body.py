@@ -21,7 +21,7 @@ from fenics_contact.common.arrays import Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.choice_of_slaves import NamedSurfaces, choose_slaves
-from fenics_contact.contact.cut_projection import CutProjection
+from fenics_contact.contact.mortar.cut_projection import CutProjection
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.mesh.tagged_mesh import Body
 from fenics_contact.scene.scene import Scene
