@@ -32,6 +32,7 @@ _LARGE = 0.1
 _OF_LINEAR_RANGE = {
     "strain": "strains of {share}",
     "rotation": "rotations of {share} of a radian",
+    "obstacle_rotation": "an obstacle that turns by {share} of a radian",
     "indentation": "an indentation of {share} of the radius or thickness",
     "wear": "wear as deep as {share} of half its width",
 }

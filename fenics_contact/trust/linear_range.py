@@ -175,8 +175,8 @@ class LinearRange:
             largest principal ``strain`` and ``rotation`` (radian) that more than a share of .01
             of a zone has; the ``indentation`` over size; what share of a zone is ``turned`` inside
             out or ``beyond`` a plane of symmetry; over size how deep an ``overlap`` with an
-            obstacle is; and how deep ``wear`` is over half the width that is worn. What a model
-            has none of is left out.
+            obstacle is; the ``obstacle_rotation`` (radian); and how deep ``wear`` is over half the
+            width that is worn. What a model has none of is left out.
         """
         found = self._points.deformation(solution.displacement)
         zones, comm = self._zones.at(solution.states), self._problem.comm
@@ -209,6 +209,11 @@ class LinearRange:
             )
         if self._obstacles:
             rows["overlap"] = self._of_obstacles(lambda obstacle: obstacle.overlap())
+        turning = [one for one in self._problem.contacts if one.kinematics.turning.axis.any()]
+        if turning:
+            rows["obstacle_rotation"] = _worst(
+                [{"value": abs(one.kinematics.angle), "on": one.label} for one in turning]
+            )
         if self._obstacles and self._problem.has_datum:
             inside, nodal = found.displacement, solution.displacement
             rows["indentation"] = self._of_obstacles(lambda o: o.share(nodal, inside))

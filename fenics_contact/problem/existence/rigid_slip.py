@@ -196,9 +196,8 @@ def smooth_closing(contact: ContactSurface, closing: Array, jumps: Array, acts: 
     along, shares = motions_along(across, allowed)
     left = largest(comm, np.abs(closing[acts] @ along).ravel())
     size = largest(comm, np.abs(jumps[acts] @ along).ravel())
-    if left <= _FLAT * size:  # of flat surfaces there is nothing but round-off to take off
-        return closing
-    smooth = closing - (closing @ along) @ shares
+    is_flat = left <= _FLAT * size  # or round for them: there is nothing but round-off to take off
+    smooth = closing.copy() if is_flat else closing - (closing @ along) @ shares
     small = _ROUND_OFF * largest(comm, np.abs(jumps[acts]).ravel())
     # A motion is taken off as a whole: of single numbers, sums would no longer vanish.
     sizes = [largest(comm, np.abs(column)) for column in smooth[acts].T]

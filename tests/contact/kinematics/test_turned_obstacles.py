@@ -194,6 +194,26 @@ def test_a_moment_on_a_shaft_that_sticks_twists_the_plate():
     assert found["obstacle_rotation"] == pytest.approx(expected, rel=2e-3)
 
 
+def test_a_moment_on_a_shaft_without_friction_is_refused():
+    with refused("shaft_without_friction"):
+        run(shaft(0.0, 0.05, moment=200.0), body=ring(16))
+
+
+def test_a_plate_that_tips_over_is_refused():
+    """The moment is more than the force can hold at the end of the surface: 10 × ½ < 6."""
+    about = ObstacleRotation(at=(0.5, 1))
+    plane = Obstacle("plane", position=(0, 1), normal=(0, -1), rotation=about, force=10, moment=6)
+    with refused("plate_tips_over"):
+        run(pressed(plane, 0.3), body=box_body((6, 4)))
+
+
+def test_an_angle_beyond_linear_theory_is_told():
+    about = ObstacleRotation(angle=0.15, at=(0, 1))
+    plane = Obstacle("plane", position=(0, 1), normal=(0, -1), rotation=about)
+    result = run(pressed(plane), body=box_body((3, 2)))
+    assert "an obstacle that turns by 15 % of a radian near 'y1'" in result.verdict
+
+
 @pytest.mark.errors
 @pytest.mark.parametrize("moment", [0.5, 3.0])
 def test_error_bars_hold_the_answer_of_a_finer_mesh(moment):
