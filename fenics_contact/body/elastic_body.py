@@ -280,6 +280,19 @@ class ElasticBody:
         spaces = self._spaces
         return strain(displacement, spaces.kinematics, spaces.position, self.law)
 
+    def total_strain(self) -> Expr:
+        """Strain of the solution as a UFL expression, shape (3, 3).
+
+        In plane stress it has across the plane what stress, and what heat, makes there.
+        """
+        found = self.strain(self.displacement)
+        if self._spaces.kinematics != "plane stress" or not self.has_free_strains:
+            return found
+        across = self.elastic_strain(self.displacement)[2, 2]
+        across += sum(part.strain_across for part in self.heated)
+        (xx, xy), (yx, yy) = ((found[i, 0], found[i, 1]) for i in (0, 1))
+        return ufl.as_tensor([[xx, xy, 0], [yx, yy, 0], [0, 0, across]])
+
     def elastic_strain(self, displacement: Expr) -> Expr:
         """Strain of a displacement less what is free of stress at present, shape (3, 3).
 

@@ -1,13 +1,14 @@
-"""Stress at places inside the body: that of the cells, recovered at the nodes.
+"""Stress and strain at places inside the body: those of the cells, recovered at the nodes.
 
 At a node it is the mean over the cells around it, of one material each, so that it is continuous
 inside a material and jumps from one to another. It is exact where the stress is linear and the
-elements are of degree 2; at degree 1 each cell has one mean stress.
+elements are of degree 2; at degree 1 each cell has one mean stress. So it is with the strain.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from ufl.core.expr import Expr
 
 from fenics_contact.body.probe_points import PlacesInBody
 from fenics_contact.common import dolfinx_versions as compat
@@ -15,7 +16,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
-from fenics_contact.quantities.names import STRESS_OF_POINTS
+from fenics_contact.quantities.names import STRAIN_OF_POINTS, STRESS_OF_POINTS
 from fenics_contact.solve.systems.solution import Solution
 
 #: Components of the stress by name → their place in the matrix.
@@ -23,10 +24,15 @@ COMPONENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "yz": (1, 2), "xz": (0, 
 _IN_PLANE = ("xx", "yy", "zz", "xy")
 
 
-class NodalStress:
-    """Cauchy stress, averaged over the cells that share a node; collective."""
+class NodalMean:
+    """A tensor of the solution, averaged over the cells that share a node; collective.
 
-    def __init__(self, problem: Problem) -> None:
+    Args:
+        problem: The model.
+        tensor: In UFL, (3, 3).
+    """
+
+    def __init__(self, problem: Problem, tensor: Expr) -> None:
         self._problem = problem
         mesh, spaces = problem.body.mesh, problem.spaces
         space = spaces.displacement_space
@@ -38,10 +44,10 @@ class NodalStress:
         self.cells = np.arange(
             mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32
         )
-        self._expression = form_cache.expression(problem.elastic.stress(), points)
+        self._expression = form_cache.expression(tensor, points)
 
     def at_nodes(self, cells: Integers | None = None) -> Array:
-        """Return the stress of the problem's present displacement, (nodes, 3, 3) (stress).
+        """Return the tensor of the problem's present displacement, (nodes, 3, 3).
 
         Args:
             cells: Of this rank, over which it is averaged; by default all. Other nodes have 0.
@@ -55,12 +61,23 @@ class NodalStress:
             values = self._expression.eval(mesh, chosen).reshape(-1, 9)
         columns = (*values.T, np.ones(len(nodes)))
         summed = [np.bincount(nodes, column, count) for column in columns]
-        *stress, cells_around = spaces.summed(np.stack(summed, axis=1)).T
-        return np.stack(stress / np.maximum(cells_around, 1.0), axis=1).reshape(-1, 3, 3)
+        *tensor, cells_around = spaces.summed(np.stack(summed, axis=1)).T
+        return np.stack(tensor / np.maximum(cells_around, 1.0), axis=1).reshape(-1, 3, 3)
+
+
+class NodalStress(NodalMean):
+    """Cauchy stress, averaged over the cells that share a node; collective.
+
+    Args:
+        problem: The model.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem, problem.elastic.stress())
 
 
 class StressAtPlaces:
-    """Stress at places of the body; collective.
+    """Stress and strain at places of the body; collective.
 
     On a face between cells of two materials it is their mean; on a face between two bodies it is
     that of the body whose mesh came first.
@@ -85,14 +102,22 @@ class StressAtPlaces:
         near = (spaces.summed(needed)[:, 0] > 0)[nodes[self._stress.cells]].any(axis=1)
         self._near = self._stress.cells[near]
 
-    def values(self) -> Array:
+    def stress(self) -> Array:
         """Stress of the problem's present displacement, (places, 3, 3), 0 outside (stress)."""
+        return self._values(self._stress)
+
+    def strain(self) -> Array:
+        """Strain of the problem's present displacement, (places, 3, 3), 0 outside."""
+        return self._values(NodalMean(self._problem, self._problem.elastic.total_strain()))
+
+    def _values(self, tensor: NodalMean) -> Array:
+        """A tensor at the places, (places, 3, 3), 0 outside; collective."""
         problem, places = self._problem, self._places
         nodes = problem.spaces.displacement_space.dofmap.list
         summed = np.zeros((len(self.inside), 10))
         for number in range(len(problem.scene.material)):
             of_material = self._near[self._material[self._near] == number]
-            nodal = self._stress.at_nodes(of_material).reshape(-1, 9)
+            nodal = tensor.at_nodes(of_material).reshape(-1, 9)
             mine = self._material[places.cells] == number
             found = np.einsum("pn,pnc->pc", places.weights[mine], nodal[nodes[places.cells[mine]]])
             np.add.at(summed[:, :9], places.numbers[mine], found)
@@ -123,7 +148,7 @@ def components_of(dimension: int) -> tuple[str, ...]:
 
 
 def stress_at_points(problem: Problem, solution: Solution) -> dict[str, float]:
-    """Stress at the scene's points in a solution, by quantity; collective.
+    """Stress and strain at the scene's points in a solution, by quantity; collective.
 
     Args:
         problem: The model, in the state of the solution.
@@ -137,9 +162,10 @@ def stress_at_points(problem: Problem, solution: Solution) -> dict[str, float]:
     at_points = problem.discrete.once(
         f"stress at points {points}", lambda: StressAtPlaces(problem, places)
     )
-    stresses = at_points.values()
+    tensors = {STRESS_OF_POINTS: at_points.stress(), STRAIN_OF_POINTS: at_points.strain()}
     return {
-        f"{STRESS_OF_POINTS}{point.name}_{name}": float(stress[COMPONENTS[name]])
-        for point, stress in zip(points, stresses, strict=True)
+        f"{begin}{point.name}_{name}": float(tensor[COMPONENTS[name]])
+        for begin, every in tensors.items()
+        for point, tensor in zip(points, every, strict=True)
         for name in components_of(problem.spaces.components)
     }

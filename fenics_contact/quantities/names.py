@@ -48,6 +48,8 @@ CLOSED_GAP = "closed_gap"
 OF_POINTS = "displacement_"
 #: Begins the names of the components of the stress there.
 STRESS_OF_POINTS = "stress_"
+#: Begins the names of the components of the strain there.
+STRAIN_OF_POINTS = "strain_"
 #: Begins the name of the temperature there.
 TEMPERATURE_OF_POINTS = "temperature_"
 MAX_TEMPERATURE = "max_temperature"

@@ -311,6 +311,12 @@ ROWS = (
         "mean of both. It has no error bar",
     ),
     Quantity(
+        f"{names.STRAIN_OF_POINTS}NAME",
+        "",
+        "at each `[[point]]`, by component as the stress: `strain_NAME_xx`, `_yy`, …, of all that "
+        "strains the body, heat too; `_xy` is half of the change of the angle. It has no error bar",
+    ),
+    Quantity(
         f"{names.TEMPERATURE_OF_POINTS}NAME",
         "temperature",
         "at each `[[point]]`, where the scene has temperatures, as it gives them",

@@ -8,6 +8,7 @@ from fenics_contact.quantities.names import (
     OF_POINTS,
     REACTION,
     REACTION_MOMENT,
+    STRAIN_OF_POINTS,
     STRESS_OF_POINTS,
     TEMPERATURE_OF_POINTS,
 )
@@ -23,7 +24,8 @@ OF_SUPPORTS = (REACTION, REACTION_MOMENT)
 MEASURED_BY_PRELOADS = {"force": "force", "elongation": "length"}
 # The rows of what each point has.
 _OF_POINTS = {
-    begin: f"{begin}NAME" for begin in (OF_POINTS, STRESS_OF_POINTS, TEMPERATURE_OF_POINTS)
+    begin: f"{begin}NAME"
+    for begin in (OF_POINTS, STRESS_OF_POINTS, STRAIN_OF_POINTS, TEMPERATURE_OF_POINTS)
 }
 _POINT = _OF_POINTS[OF_POINTS]
 
@@ -61,11 +63,13 @@ def find(name: str) -> Quantity | None:
     ('length', True)
     >>> find("stress_tip_xy").unit, find("stress_tip_xy").is_vector
     ('stress', False)
+    >>> find("strain_tip_xy").name, find("strain_energy").name
+    ('strain_NAME', 'strain_energy')
     """
-    for begin, row in _OF_POINTS.items():
-        if name.startswith(begin):
-            return _TABLE.get(row)
-    return _TABLE.get(name)
+    if name in _TABLE:  # such as strain_energy, which is none of a point
+        return _TABLE[name]
+    rows = (row for begin, row in _OF_POINTS.items() if name.startswith(begin))
+    return _TABLE.get(next(rows, ""))
 
 
 def with_true_value() -> tuple[str, ...]:

@@ -152,7 +152,7 @@ class Scene(CoreScene):
         tuple[Line, ...],
         FREE_AT_RESUME,
         Field(
-            description=f"lines along which `lines.csv` has the stress, up to {_MOST}",
+            description=f"lines along which `lines.csv` has stress and strain, up to {_MOST}",
             max_length=_MOST,
         ),
     ] = ()

@@ -16,6 +16,7 @@ from fenics_contact import (
     SolverSettings,
     Study,
     Support,
+    Temperature,
     run,
 )
 from fenics_contact.verification.boxes import Box, boxes
@@ -56,6 +57,64 @@ def test_a_uniform_stress_is_exact_anywhere(dimension):
             there = found.quantities[f"stress_{point.name}_{name}"]
             assert there == pytest.approx(value, abs=1e-9), (point.name, name)
     assert ("stress_p0_yz" in found.quantities) == (dimension == 3)
+
+
+@pytest.mark.parametrize("kinematics", ["3D", "plane strain", "plane stress"])
+def test_strains_of_a_bar_are_those_of_hooke(kinematics):
+    """Pulled by σ: ε = σ / E along it, and −ν σ / E across; in plane strain E/(1−ν²), ν/(1−ν)."""
+    dimension, wide = (3 if kinematics == "3D" else 2), kinematics == "plane strain"
+    points = tuple(Point(f"p{i}", at[:dimension]) for i, at in enumerate(PLACES))
+    scene = dataclasses.replace(stretched(dimension, points), kinematics=kinematics)
+    found = run(scene, COMM, box_body((2, 2, 2)[:dimension])).quantities
+    along = 6.0 / E * (1 - NU**2 if wide else 1)
+    across = -along * (NU / (1 - NU) if wide else NU)
+    expected = {"xx": along, "yy": across, "zz": 0.0 if wide else across, "xy": 0.0}
+    for point in points:
+        for name, value in expected.items():
+            assert found[f"strain_{point.name}_{name}"] == pytest.approx(value, abs=1e-13)
+    assert ("strain_p0_yz" in found) == (dimension == 3)
+
+
+@pytest.mark.parametrize("kinematics", ["3D", "plane strain", "plane stress", "axisymmetric"])
+def test_strains_have_what_heat_makes_of_them(kinematics):
+    """Free to grow along x and across, held along y: ε_yy = 0, and the others by Hooke."""
+    dimension = 3 if kinematics == "3D" else 2
+    rise, expansion = 50.0, 2e-5
+    free = expansion * rise
+    walls = [Support("y0", {"y": 0}), Support("y1", {"y": 0})]
+    walls += [Support(f"{axis}0", {axis: 0}) for axis in "xz"[: dimension - 1]]
+    scene = Scene(
+        kinematics=kinematics,
+        material=Material(E, NU, thermal_expansion=expansion),
+        support=tuple(walls),
+        temperature=(Temperature(value=rise),),
+        point=(Point("p", (0.6, 0.3, 0.2)[:dimension]),),
+        solver=QUIET,
+    )
+    found = run(scene, COMM, box_body((2, 2, 2)[:dimension])).quantities
+    side = free * (1 + NU)  # of σ_yy = −E α ΔT alone
+    expected = {"xx": side, "yy": 0.0, "zz": side, "xy": 0.0}
+    if kinematics == "plane strain":  # σ_zz acts, too: σ_yy = σ_zz = −E α ΔT / (1 − ν)
+        expected |= {"xx": free * (1 + 2 * NU / (1 - NU)), "zz": 0.0}
+    # By a ring's axis nodes are looked at from a millionth inside, which FFCx rounds to the node.
+    exact = 1e-8 if kinematics == "axisymmetric" else 1e-13
+    for name, value in expected.items():
+        assert found[f"strain_p_{name}"] == pytest.approx(value, abs=exact), name
+
+
+def test_shear_strain_is_half_of_the_change_of_the_angle():
+    """And linear: u_x = y² / 10 has ε_xy = y / 10."""
+    moved = {"x": lambda x: 0.1 * x[1] ** 2, "y": 0}
+    scene = Scene(
+        kinematics="plane stress",
+        material=Material(E, NU),
+        support=(Support("body", moved),),
+        point=BENT,
+        solver=QUIET,
+    )
+    found = run(scene, COMM, box_body((3, 2), (3, 1))).quantities
+    for point in BENT:
+        assert found[f"strain_{point.name}_xy"] == pytest.approx(0.1 * point.at[1], abs=1e-12)
 
 
 def bent(cell, points):

@@ -1,9 +1,9 @@
-"""Stress along lines, as ``result.json`` and ``lines.csv`` have it."""
+"""Stress and strain along lines, as ``result.json`` and ``lines.csv`` have it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from fenics_contact.results.records.record import Record
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StressLineRecord(Record):
-    """Stress at points along a line in the last load step, without error bars.
+    """Stress and strain at points along a line in the last load step, without error bars.
 
     Attributes:
         name: Of the line.
@@ -23,6 +23,8 @@ class StressLineRecord(Record):
             over the cells of one material around each node, interpolated between the nodes.
         temperature: At each point, null outside the body (temperature); null where the scene has no
             temperatures.
+        strain: Component → its value at each point, null outside the body, as the stress; of all
+            that strains the body, heat too. That of `xy` is half of the change of the angle.
     """
 
     name: str
@@ -30,6 +32,7 @@ class StressLineRecord(Record):
     places: list[list[float]]
     stress: Mapping[str, list[float | None]]
     temperature: list[float | None] | None = None
+    strain: Mapping[str, list[float | None]] = field(default_factory=dict)
 
     @property
     def is_inside(self) -> list[bool]:
@@ -51,6 +54,7 @@ def line_record(
     places: Array,
     inside: Flags,
     stress: Mapping[str, Array],
+    strain: Mapping[str, Array],
     temperature: Array | None = None,
 ) -> StressLineRecord:
     """The record of a line.
@@ -60,9 +64,13 @@ def line_record(
         places: Its points, (points, 3) (length).
         inside: Whether each is in the body, (points,).
         stress: By component, (points,) each (stress).
+        strain: Likewise.
         temperature: (points,) (temperature); None without any.
     """
-    values = {component: _where_inside(row, inside) for component, row in stress.items()}
+    values, strains = (
+        {component: _where_inside(row, inside) for component, row in tensor.items()}
+        for tensor in (stress, strain)
+    )
     distances = np.linalg.norm(places - places[0], axis=1)
     return StressLineRecord(
         name=name,
@@ -70,6 +78,7 @@ def line_record(
         places=places.tolist(),
         stress=values,
         temperature=None if temperature is None else _where_inside(temperature, inside),
+        strain=strains,
     )
 
 

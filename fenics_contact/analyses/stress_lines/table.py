@@ -17,7 +17,7 @@ _Place = tuple[Annotated[Number, PLACE], ...]
 
 @scene_class
 class Line:
-    """A straight line through the undeformed body, along which a run writes the stress.
+    """A straight line through the undeformed body, along which a run writes stress and strain.
 
     ``lines.csv`` has a row for each point. In Python ``from`` is written ``from_``, because
     ``from`` is a keyword there.

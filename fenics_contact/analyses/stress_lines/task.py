@@ -1,4 +1,4 @@
-"""Stress along lines in a run: that of the last load step."""
+"""Stress and strain along lines in a run: those of the last load step."""
 
 from __future__ import annotations
 
@@ -57,16 +57,16 @@ class StressLinesTask(AnalysisTask):
         return self._found[1]
 
     def _finding(self) -> AnalysisFinding:
-        stresses = self._of_lines(self._stress.values())
+        stresses = self._of_lines(self._stress.stress())
+        strains, named = self._of_lines(self._stress.strain()), self._by_name
         insides = self._of_lines(self._stress.inside)
         heat: list[Array | None] = [None] * len(insides)
         if self._temperatures is not None:
             heat = [*self._of_lines(self._temperatures.values())]
+        rows = zip(self.scene.line, self._places, insides, stresses, strains, heat, strict=True)
         lines = [
-            line_record(line.name, places, inside, self._by_name(stress), temperature)
-            for line, places, inside, stress, temperature in zip(
-                self.scene.line, self._places, insides, stresses, heat, strict=True
-            )
+            line_record(line.name, places, inside, named(stress), named(strain), temperature)
+            for line, places, inside, stress, strain, temperature in rows
         ]
         return AnalysisFinding({"lines": lines}, words=words_on_outside(lines))
 
@@ -75,10 +75,10 @@ class StressLinesTask(AnalysisTask):
         ends = np.cumsum([0, *(line.points for line in self.scene.line)])
         return [values[begin:end] for begin, end in pairwise(ends)]
 
-    def _by_name(self, stress: Array) -> dict[str, Array]:
-        """Stress by component."""
+    def _by_name(self, tensor: Array) -> dict[str, Array]:
+        """Stress or strain by component."""
         names = components_of(self._problem.spaces.components)
-        return {name: stress[:, COMPONENTS[name][0], COMPONENTS[name][1]] for name in names}
+        return {name: tensor[:, COMPONENTS[name][0], COMPONENTS[name][1]] for name in names}
 
 
 def _places(begin: tuple[float, ...], end: tuple[float, ...], points: int) -> Array:

@@ -18,6 +18,7 @@ _HEADER = [
     *("line", "s", "x", "y", "z"),
     *(f"stress_{component}" for component in _COMPONENTS),
     "temperature",
+    *(f"strain_{component}" for component in _COMPONENTS),
 ]
 
 
@@ -61,11 +62,12 @@ def file_rows(lines: Sequence[StressLineRecord]) -> Rows:
     rows: Rows = [list(_HEADER)]
     for line in lines:
         for point, (distance, place) in enumerate(zip(line.distances, line.places, strict=True)):
-            values = [
-                line.stress[name][point] if name in line.stress else None for name in _COMPONENTS
-            ]
+            stress, strain = (
+                [tensor[name][point] if name in tensor else None for name in _COMPONENTS]
+                for tensor in (line.stress, line.strain)
+            )
             heat = None if line.temperature is None else line.temperature[point]
-            numbers = [distance, *place, *values, heat]
+            numbers = [distance, *place, *stress, heat, *strain]
             rows.append([line.name, *("" if n is None else f"{n:.8g}" for n in numbers)])
     return rows
 

@@ -75,6 +75,11 @@ class HeatedPart:
         """Present strain that is free of stress, anywhere in the body: 0 outside of the part."""
         return self.scalar / self.spaces.size * self._field * self._directions
 
+    @property
+    def strain_across(self) -> Expr:
+        """By how much heat alone strains the part across the plane, 0 outside of it."""
+        return self.scalar / self.spaces.size * self._field * float(self.described.axes[2])
+
     @cached_property
     def _field(self) -> fem.Function:
         """T of degree k − 1 in each cell, 0 outside of the part; collective when first asked."""

@@ -295,8 +295,8 @@ class Point:
     name: Annotated[
         Text,
         Field(
-            description="the quantities are `displacement_NAME`, and `stress_NAME_xx`, `_yy`, …; "
-            "letters, digits, `-`, `_`"
+            description="the quantities are `displacement_NAME`, and `stress_NAME_xx`, `_yy`, …, "
+            "`strain_NAME_xx`, …; letters, digits, `-`, `_`"
         ),
     ]
     at: Annotated[

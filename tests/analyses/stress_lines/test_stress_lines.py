@@ -62,6 +62,9 @@ def test_bending_is_linear_across_the_beam_and_constant_along_it():
         np.testing.assert_allclose(first.stress[name], 0, atol=1e-9)
     np.testing.assert_allclose(first.von_mises, STEEPNESS * abs(height - MIDDLE), atol=1e-9)
     np.testing.assert_allclose(second.stress["xx"][:8], STEEPNESS / 4, atol=1e-9)
+    strain = STEEPNESS * (height - MIDDLE) / 1000  # ν is 0
+    np.testing.assert_allclose(first.strain["xx"], strain, atol=1e-12)
+    assert second.strain["xx"][8] is None
     assert second.is_inside == [True] * 8 + [False] and second.stress["xx"][8] is None
     assert "On the line 'along' 1 point is outside the body" in found.verdict
 
@@ -73,6 +76,8 @@ def test_points_of_a_line_have_the_stress_of_points():
     found = run(scene)
     for name, values in found.lines[0].stress.items():
         assert values[2] == pytest.approx(found.quantities[f"stress_end_{name}"], abs=1e-12)
+    for name, values in found.lines[0].strain.items():
+        assert values[2] == pytest.approx(found.quantities[f"strain_end_{name}"], abs=1e-15)
 
 
 def test_a_run_writes_and_draws_it(folder):
@@ -88,7 +93,11 @@ def test_a_run_writes_and_draws_it(folder):
     assert list(rows[0]) == [
         *("line", "s", "x", "y", "z", "stress_xx", "stress_yy", "stress_zz"),
         *("stress_yz", "stress_xz", "stress_xy", "temperature"),
+        *("strain_xx", "strain_yy", "strain_zz", "strain_yz", "strain_xz", "strain_xy"),
     ]
+    strains = [float(row["strain_xx"]) for row in rows]
+    assert strains == pytest.approx([-0.01, -0.005, 0, 0.005, 0.01], abs=1e-9)
+    assert rows[0]["strain_yz"] == ""
     assert [row["line"] for row in rows] == ["across"] * 5 and rows[0]["stress_yz"] == ""
     assert [float(row["stress_xx"]) for row in rows] == pytest.approx([-10, -5, 0, 5, 10], abs=1e-6)
     assert json.loads((out / "result.json").read_text())["lines"][0]["name"] == "across"
