@@ -162,11 +162,12 @@ def _conditions(scene: Scene) -> list[str]:
         ]
         said += [
             f"{key} {_given(value)}{unit(coupling, key)}"
-            for key in ("force", "moment")
+            for key in ("force", "moment", "mass")
             if (value := getattr(coupling, key)) is not None
         ]
         on = f" on '{coupling.on}'" if coupling.label != coupling.on else ""
-        lines.append(f"Coupling '{coupling.label}'{on}: {', '.join(said) or 'free to move'}")
+        mean = "" if coupling.is_rigid else ", in the mean"
+        lines.append(f"Coupling '{coupling.label}'{on}{mean}: {', '.join(said) or 'free to move'}")
     for spring in scene.spring:
         one, other = spring.between
         said = [

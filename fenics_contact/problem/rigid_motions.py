@@ -140,7 +140,7 @@ class RigidMotions:
         held[problem.constrained[problem.constrained < owned * components]] = True
         held[problem.coupled[problem.coupled < owned * components]] = False
         rows = self._fields[:owned].reshape(-1, modes)[held]
-        rows = np.concatenate([rows, *self._on_springs(), self._faces.held])
+        rows = np.concatenate([rows, *_on_springs(problem, self._fields), self._faces.held])
         if problem.discrete.cut is not None:
             apart = problem.discrete.cut.jumps(self._fields)  # the same on every rank
             rows = np.concatenate([rows, apart if problem.comm.rank == 0 else apart[:0]])
@@ -154,17 +154,6 @@ class RigidMotions:
                 every.append(jumps.reshape(-1, modes + floats))
         stacked = np.concatenate(every)
         return null_space(np.asarray(total(problem.comm, stacked.T @ stacked)))
-
-    def _on_springs(self) -> list[Array]:
-        """Motions of owned nodes along directions that springs hold, (rows, modes)."""
-        found, owned = [], self._problem.spaces.owned_nodes
-        for springs in self._problem.elastic.springs:
-            nodes = self._problem.spaces.nodes(springs.group)
-            own = nodes[nodes < owned]
-            ways = springs.along(own)[springs.stiffness > 0]
-            fields = np.einsum("dnc,ncm->dnm", ways, self._fields[own])
-            found.append(fields.reshape(-1, self._fields.shape[-1]))
-        return found
 
     def jumps(self, contact: ContactSurface) -> Array:
         """Jumps at the points of a contact in each motion, (points, components, count)."""
@@ -370,6 +359,41 @@ def is_part_free(problem: Problem) -> Flags:
         nodes = spaces.nodes(springs.group)
         held.reshape(owned, -1)[nodes[nodes < owned]] = 1.0
     return np.asarray(spaces.parts.sums(held.reshape(owned, spaces.components).sum(axis=1)) == 0.0)
+
+
+def held_by_points_alone(problem: Problem) -> bool:
+    """Whether some rigid motion is held by points alone that faces follow in the mean; collective.
+
+    The stiffness of the bulk is singular then, also with all contact dofs held.
+    """
+    if not problem.elastic.ties:
+        return False
+    spaces = problem.spaces
+    size, owned = spaces.components, spaces.owned_nodes
+    _, fields = _of_parts(spaces, None)
+    held = np.zeros(owned * size, dtype=bool)
+    held[problem.constrained[problem.constrained < owned * size]] = True
+    by_node = held.reshape(owned, size)
+    for contact in problem.contacts:
+        if contact.forces.terms:
+            every = np.ones(len(contact.trace.all_nodes), dtype=bool)
+            by_node |= contact.kinematics.reaches(every)[:owned, None]
+    rows = [fields[:owned].reshape(owned * size, -1)[held], *_on_springs(problem, fields)]
+    stacked = np.concatenate(rows)
+    free = null_space(np.asarray(total(problem.comm, stacked.T @ stacked)))
+    return int(free.shape[1]) > 0
+
+
+def _on_springs(problem: Problem, fields: Array) -> list[Array]:
+    """Motions of owned nodes along directions that springs hold, (rows, modes)."""
+    found, owned = [], problem.spaces.owned_nodes
+    for springs in problem.elastic.springs:
+        nodes = problem.spaces.nodes(springs.group)
+        own = nodes[nodes < owned]
+        ways = springs.along(own)[springs.stiffness > 0]
+        moved = np.einsum("dnc,ncm->dnm", ways, fields[own])
+        found.append(moved.reshape(-1, fields.shape[-1]))
+    return found
 
 
 def null_space(gram: Array) -> Array:

@@ -22,7 +22,7 @@ from fenics_contact.common.memory import free_memory_for, memory_limit
 from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.rigid_motions import is_part_free
+from fenics_contact.problem.rigid_motions import held_by_points_alone, is_part_free
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
 from fenics_contact.solve.condensed.elimination import pays
@@ -231,15 +231,15 @@ def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
     """
     wanted = problem.scene.solver.solver
     free = free_memory_for(problem.comm)
-    points_hold = _points_alone_hold(problem)
+    points_hold = held_by_points_alone(problem)
     if points_hold and (wanted == "condensed" or (is_kept and wanted == "auto")):
         raise InputError(
-            "coupling: one with kind = 'distributing' is all that holds a part of the body, for "
+            "coupling: one with kind = 'distributing' is all that holds a motion of the body, for "
             "which only solver.solver = 'full' is there; studies and sweeps, which keep the body, "
             "need a support, a contact or kind = 'rigid' beside it"
         )
     if wanted == "auto" and points_hold:
-        reason = "a coupling in the mean is all that holds a part of the body"
+        reason = "a coupling in the mean is all that holds a motion of the body"
         choice = SolverChoice("full", reason, memory_estimate(problem, "full"))
     elif wanted == "auto":
         choice = _of_kept_body(problem) if is_kept else _automatic(problem, free)
@@ -334,26 +334,6 @@ def _suits_multigrid(problem: Problem) -> bool:
     """Whether there is multigrid for K: none for a mean stress, none that is sure on the axis."""
     elastic = problem.elastic
     return problem.spaces.components == 3 and elastic.mixed is None and not elastic.ties
-
-
-def _points_alone_hold(problem: Problem) -> bool:
-    """Whether couplings whose faces stay elastic are all that holds a part; collective.
-
-    The bulk's stiffness is singular there, which only the scalars of these make up for.
-    """
-    spaces, parts = problem.spaces, problem.spaces.parts
-    follows, touched = np.zeros((2, spaces.owned_nodes))
-    for face in problem.elastic.faces:
-        if not face.described.is_rigid:
-            follows[face.nodes[face.nodes < spaces.owned_nodes]] = 1.0
-    if not problem.elastic.ties:
-        return False
-    for contact in problem.contacts:
-        if contact.forces.terms:
-            every = np.ones(len(contact.trace.all_nodes), dtype=bool)
-            touched += contact.kinematics.reaches(every)[: spaces.owned_nodes]
-    alone = is_part_free(problem) & (parts.sums(touched) == 0)
-    return bool((alone & (parts.sums(follows) > 0)).any())
 
 
 # Gives a body that is kept, condensed for a problem, None where it cannot serve; collective.

@@ -161,6 +161,19 @@ def test_springs_at_its_point_hold_a_bar():
     assert held_bar.couplings[0].moment == pytest.approx([0, 0, -300 * LENGTH], abs=1e-4)
 
 
+def test_a_point_holds_what_rollers_leave():
+    """A bar on rollers, which its other end's point keeps from moving across and from turning."""
+    given = {"displacement": {"y": 0, "z": 0.1}, "rotation": dict.fromkeys("xyz", 0)}
+    end = Coupling("x1", kind="distributing", name="end", force=(500.0, 0, 0), **given)
+    rollers = Support("x0", {"x": 0})
+    found = bar("auto", support=(rollers,), material=Material(E, 0.0), coupling=(end,))
+    stretched = 500 * LENGTH / (E * SIDE**2)
+    assert found.couplings[0].displacement == pytest.approx([stretched, 0, 0.1], abs=1e-9)
+    assert found.couplings[0].force == pytest.approx([500, 0, 0], abs=1e-5)
+    with refused("mean_point_without_full", InputError):
+        bar("condensed", support=(rollers,), coupling=(end,))
+
+
 def test_two_springs_in_series():
     """From its point to a rigid face, and from there to the ground: one that joins the ground."""
     one, other = 5e3, 3e3

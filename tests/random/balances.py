@@ -82,7 +82,9 @@ class _Fields:
         length = float(max(self.spaces.comm.allgather(np.ptp(self.places))))
         least = 1e-8 * self.scene.material[0].youngs_modulus * length ** (2 if self.ring else 1)
         least *= length if self.size == 3 else 1.0
-        self.scale = max(float(self.sum(np.abs(self.outside)).sum()), least)
+        # Loads that springs bear by themselves leave their round-off, too.
+        given = sum(abs(f) for c in self.scene.coupling for f in c.force or ())
+        self.scale = max(float(self.sum(np.abs(self.outside)).sum()), least, given)
         self.largest = max(self.most(self.moved), 1e-8 * length)
         # Springs that hold a body which they move as a whole leave this round-off.
         self.energy = least / length * self.largest**2 * 1e8
@@ -173,6 +175,30 @@ class _Fields:
         """The point of a coupling, (components,)."""
         coupling = self.scene.coupling[number]
         return self.centroid(coupling.on) if coupling.at is None else np.array(coupling.at)
+
+    def weighted(self, density: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+        """As the model integrates."""
+        return self._weight * density
+
+    def integral(self, density: ufl.core.expr.Expr, name: str) -> float:
+        """Over a boundary."""
+        return self._scalar(self.weighted(density) * self.measure(name))
+
+    def area(self, name: str) -> float:
+        """Of a boundary."""
+        return self.integral(ufl.as_ufl(1.0), name)
+
+    def extent(self, name: str) -> float:
+        """Of a boundary, along an axis at the most."""
+        here = self.places[self.on(name)]
+        low = np.min(self.spaces.comm.allgather(here.min(axis=0, initial=np.inf)), axis=0)
+        high = np.max(self.spaces.comm.allgather(here.max(axis=0, initial=-np.inf)), axis=0)
+        return float((high - low).max())
+
+    def reaches_symmetry(self, name: str) -> bool:
+        """Whether a boundary has points in a plane of symmetry."""
+        shared = [bool((self.on(name) & self.on(other)).any()) for other in self.scene.symmetry]
+        return any(any(one) for one in self.spaces.comm.allgather(shared))
 
     def mirrored(self, way: Way) -> bool:
         """Whether symmetry across x keeps a coupling from moving so."""
@@ -273,14 +299,70 @@ def _of_springs(of: _Fields) -> Iterator[str]:
 
 
 def _of_faces(of: _Fields) -> Iterator[str]:
-    """Nodes of a face move as d + θ × (x − at)."""
+    """Nodes of a rigid face move as d + θ × (x − at), those of another one in the mean."""
     for number, row in enumerate(of.result.couplings):
+        if row.kind == "distributing":
+            yield from _of_mean(of, number)
+            continue
         arms = in_space(of.places - of.point(number))
         turn = np.array([0.0] * (3 - len(row.rotation)) + list(row.rotation))
         rigid = np.array(row.displacement) + np.cross(turn, arms)[:, : of.size]
         off = of.most(np.where(of.on(row.on)[:, None], of.moved - rigid, 0.0))
         if not off <= _MOTION * max(of.largest, np.abs(row.displacement).max()):
             yield f"{row.name}: nodes are {off / of.largest:.1e} off its motion"
+
+
+def _of_mean(of: _Fields, number: int) -> Iterator[str]:
+    """The point has the mean motion of the face, which gets a traction a + b × (x − c)."""
+    row, size, ways = of.result.couplings[number], of.size, ways_of(of.scene.kinematics)
+    centre, area, measure = of.centroid(row.on), of.area(row.on), of.measure(row.on)
+    moved = fem.Function(of.spaces.displacement_space)
+    moved.x.array[:] = of.moved.reshape(-1)
+    turns = [AXES.index(a) for kind, a in ways if kind == "rotation"]
+    is_mirrored = {way: of.mirrored(way) and of.reaches_symmetry(row.on) for way in ways}
+    turns = [axis for axis in turns if not is_mirrored["rotation", AXES[axis]]]
+    place = ufl.SpatialCoordinate(of.body.mesh) - ufl.as_vector(centre)
+    matrices = [np.cross(np.eye(3)[axis], np.eye(3)).T[:size, :size].tolist() for axis in turns]
+    fields = [ufl.dot(ufl.as_matrix(one), place) for one in matrices]
+
+    def on_fields(vector: ufl.core.expr.Expr) -> list[float]:
+        return [of.integral(ufl.dot(field, vector), row.on) for field in fields]
+
+    second = np.array([on_fields(one) for one in fields])
+    turned, arm = np.zeros(3), in_space((of.point(number) - centre)[None])[0]
+    moment = np.array([*(0.0,) * (3 - len(row.moment)), *row.moment])
+    moment += np.cross(arm, in_space(np.array(row.force)[None])[0])
+    by_turn = np.zeros(0)
+    if turns:
+        turned[turns] = np.linalg.solve(second, on_fields(moved))
+        by_turn = np.linalg.solve(second, moment[turns])
+    mean = np.array([of.integral(moved[axis], row.on) / area for axis in range(size)])
+    mean += np.cross(turned, arm)[:size]
+    off = [0.0]
+    for way in ways:
+        if not is_mirrored[way]:
+            is_turn = way[0] == "rotation"
+            found = (turned if is_turn else mean)[AXES.index(way[1])]
+            told = _entry(row.displacement, row.rotation, way)
+            off.append(abs(told - found) * (of.extent(row.on) if is_turn else 1.0))
+    if not max(off) <= _MOTION * max(of.largest, np.abs(mean).max()):
+        yield f"{row.name}: is {max(off) / of.largest:.1e} off the mean motion of its face"
+    uniform = np.where([of.ring and axis == 0 for axis in range(size)], 0.0, row.force) / area
+    traction = ufl.as_vector(uniform.tolist())
+    for amount, field_of_turn in zip(by_turn, fields, strict=True):
+        traction += float(amount) * field_of_turn
+    work = of.weighted(ufl.dot(traction, ufl.TestFunction(of.spaces.displacement_space)))
+    left = of.outside - of.spaces.assemble(form_cache.form(work * measure))
+    alone = of.on(row.on)
+    for other in (*of.scene.support, *of.scene.contact):
+        alone &= ~of.on(other.on)
+    for name in of.scene.symmetry:
+        alone &= ~of.on(name)
+    if of.ring:
+        alone &= of.places[:, 0] > 1e-9 * of.places[:, 0].max(initial=0.0)
+    worst = of.most(np.where(alone[:, None], left, 0.0))
+    if not worst <= _FORCE * of.scale:
+        yield f"{row.name}: nodes get {worst / of.scale:.1e} beside its traction"
 
 
 def _whole(of: _Fields) -> Iterator[str]:

@@ -119,7 +119,7 @@ class _Draft:
             )
         self.coupling.append(Coupling(on, name=name, path=self.path(), **keys))
 
-    def drive(self, on: str, name: str, *moved: float) -> None:
+    def drive(self, on: str, name: str, *moved: float, kind: str = "rigid") -> None:
         """A face as a coupling whose motion is given."""
         displacement = dict(zip(AXES, self.vector(*moved), strict=False))
         if self.elements.kinematics == "axisymmetric":
@@ -127,22 +127,27 @@ class _Draft:
         turns = [axis for kind, axis in ways_of(self.elements.kinematics) if kind == "rotation"]
         rotation = {axis: short(1e-4 * self.dice.between(-1, 1)) for axis in turns}
         keys = {"displacement": displacement, "rotation": rotation, "path": self.path()}
-        self.coupling.append(Coupling(on, name=name, **keys))
+        self.coupling.append(Coupling(on, kind=kind, name=name, **keys))
+
+    def kind(self) -> str:
+        """Rigid, or distributing where something else holds the body as well."""
+        return self.dice.of("rigid", "rigid", "distributing")
 
     def push(self, on: str, name: str, friction: dict[str, Any]) -> None:
         """A face that is pressed down, and along by less than friction holds: driven, or loaded."""
-        dice, between = self.dice, (0.0,) * (self.dimension - 2)
+        dice, between, kind = self.dice, (0.0,) * (self.dimension - 2), self.kind()
         axial = self.elements.kinematics == "axisymmetric"
         share = dice.between(-0.5, 0.5) * friction.get("friction_coefficient", 0.0)
         along = 0.0 if axial or dice.chance(30) else share
         if dice.chance(50):
             depth = 1e-3 * self.length * dice.between(0.2, 2)
-            self.drive(on, name, along * depth, *between, -depth)
+            self.drive(on, name, along * depth, *between, -depth, kind=kind)
         elif dice.chance(85):
             force = abs(self.force)
-            self.couple(on, name, self.vector(along * force, *between, -force))
+            pushed = self.vector(along * force, *between, -force)
+            self.couple(on, name, pushed, kind=kind)
         else:
-            self.couple(on, name)
+            self.couple(on, name, kind=kind)
 
     def _is_radial(self, axis: int) -> bool:
         return self.elements.kinematics == "axisymmetric" and axis == 0
@@ -267,7 +272,7 @@ def _row(dice: Dice) -> RandomScene:
             draft.join(f"{name}_foot", GROUND, firmly)
             stands &= firmly
         if dice.chance(85):
-            draft.couple(tip, f"{name}_tip")
+            draft.couple(tip, f"{name}_tip", kind=draft.kind())
         draft.press(f"{name}.{_last(draft)}1")
     labels = [one.label for one in draft.coupling]
     for one, other in itertools.pairwise(labels):
@@ -326,7 +331,7 @@ def _punch(dice: Dice) -> RandomScene:
     if dice.chance(40):  # another block, whose coupling a spring joins to the punch
         parts.append(_block(draft, "beam", (2.0, 0.5), (1.0, 0.5)))
         draft.hold("beam.x1")
-        draft.couple("beam.x0", "lever")
+        draft.couple("beam.x0", "lever", kind=draft.kind())
         draft.join("punch", "lever", firmly=False)
     more = {"symmetry": ("body.x0",)} if symmetric else {}
     return draft.scene("punch", tuple(parts), "", **more)
