@@ -38,7 +38,7 @@ def around(traction, dimension=2):
     return (*found, 0.0)[:dimension]
 
 
-def hub_on_shaft(copies, cells=((4, 2), (4, 3)), dimension=2, cell="", wave=1.0):
+def hub_on_shaft(copies, cells=((4, 2), (4, 3)), dimension=2, cell="", order=1):
     """``cut0`` and ``cut1`` are the faces of the cut through both bodies, which are skew.
 
     Args:
@@ -46,7 +46,7 @@ def hub_on_shaft(copies, cells=((4, 2), (4, 3)), dimension=2, cell="", wave=1.0)
         cells: Around a sector and along the radius, of the shaft and of the hub.
         dimension: Of the bodies, 3 long in space.
         cell: Kind of the cells, by default quadrilaterals or hexahedra.
-        wave: Size of the waves in the mesh.
+        order: Of the cells' geometry; those of order 1 are in waves.
     """
     low, high, more = ((0.0,), (3.0,), (1,)) if dimension == 3 else ((), (), ())
     turn = 2 * np.pi * copies / SECTORS
@@ -57,7 +57,8 @@ def hub_on_shaft(copies, cells=((4, 2), (4, 3)), dimension=2, cell="", wave=1.0)
     )
     closed = ("shaft", "hub") if copies == SECTORS else ()
     kind = cell or ("quadrilateral" if dimension == 2 else "hexahedron")
-    body = boxes(parts, kind, closed=closed)
+    body = boxes(parts, kind, order=order, closed=closed)
+    wave = 1.0 if order == 1 else 0.0
     x = body.mesh.geometry.x
     turned, radius = x[:, 0].copy(), x[:, 1].copy()
     middle = np.abs(np.sin(np.pi * (radius - SEAT) / (RIM - SEAT)))

@@ -124,6 +124,24 @@ class CutFaces:
         shape = (count * size, count * size)
         return csr_matrix(coo_matrix((values, entries), shape=shape)), held
 
+    def shares_among(self, numbers: Integers) -> tuple[Integers, csr_matrix]:
+        """Nodes off the axis that follow from others of the same set, and shares of these in them.
+
+        Args:
+            numbers: Of the set over all ranks, (nodes,).
+
+        Returns:
+            Places in the set of those that follow, and (these, nodes).
+        """
+        order, among = np.argsort(numbers), np.isin(self._nodes_of_both, numbers)
+        outside = self._shares @ (~among).astype(np.float64)
+        chosen = np.flatnonzero(np.isin(self._off_axis, numbers) & (np.abs(outside) == 0))
+        entries = self._shares[chosen].tocoo()
+        of_both = order[np.searchsorted(numbers[order], self._nodes_of_both[entries.col])]
+        shape = (len(chosen), len(numbers))
+        shares = csr_matrix(coo_matrix((entries.data, (entries.row, of_both)), shape=shape))
+        return order[np.searchsorted(numbers[order], self._off_axis[chosen])], shares
+
     @property
     def is_slave(self) -> Flags:
         """Flags of this rank's displacement dofs that follow, owned and ghost, (dofs,)."""

@@ -19,6 +19,7 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
+from fenics_contact.contact.mortar.folded_projection import FoldedOnRanks, RimAcrossCut
 from fenics_contact.contact.mortar.projection import MortarIntegrals, Projection, integrate
 from fenics_contact.contact.mortar.ray_projection import Hits, face, hits
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
@@ -61,7 +62,7 @@ class _Paired:
     faced: _Faced
     master: FacetMesh
     rows: SlaveRows
-    projection: SpreadProjection
+    projection: SpreadProjection | FoldedOnRanks
 
     @cached_property
     def whole(self) -> Projection:
@@ -94,8 +95,17 @@ class Pairing:
         held = np.zeros(slave.spaces.coordinates.shape[0] * slave.spaces.components, dtype=bool)
         held[constrained] = True
         at_nodes = held.reshape(-1, slave.spaces.components)[slave.all_nodes]
+        self._rim = self._across_cut()
         self._mirrored = slave.symmetry.in_planes() & at_nodes
         self._as_meshed = self._present = self._pair(*self._surfaces)
+
+    def _across_cut(self) -> RimAcrossCut | None:
+        """Nodes of the slave that follow from others of it across a cut; collective."""
+        cut, surface = self._slave.cut, self._slave.surface
+        if cut is None:
+            return None
+        nodes, shares = cut.shares_among(surface.dofs[:: surface.components] // surface.components)
+        return RimAcrossCut(nodes, shares, cut.rotation) if len(nodes) else None
 
     @property
     def master_as_meshed(self) -> FacetMesh:
@@ -124,11 +134,12 @@ class Pairing:
 
     def _pair(self, slave: FacetMesh, master: FacetMesh) -> _Paired:
         faced, surface = self._find(slave, master), self._slave.surface
-        rows = SlaveRows(surface, self.master, faced.integrals, self._mirrored, faced.faced)
-        return _Paired(faced, master, rows, SpreadProjection(rows))
+        known = surface, self.master, faced.integrals, self._mirrored, faced.faced
+        rows = SlaveRows(*known, rim=self._rim)
+        return _Paired(faced, master, rows, rows.on_ranks())
 
     @property
-    def projection(self) -> SpreadProjection:
+    def projection(self) -> SpreadProjection | FoldedOnRanks:
         """P: the displacement opposite is P u."""
         return self._present.projection
 

@@ -134,7 +134,7 @@ def _assembled(
 _COLUMNS = 50  # treated at a time: they stay in the processor's cache
 
 
-class _MassFactor:
+class MassFactor:
     """D⁻¹ between the nodes that the mortar space has.
 
     Args:
@@ -170,7 +170,7 @@ class NodalProjection:
         coupling: M, (nodes of the mortar space, master nodes) (area).
     """
 
-    def __init__(self, factor: _MassFactor | None, rows: Integers, coupling: csr_matrix) -> None:
+    def __init__(self, factor: MassFactor | None, rows: Integers, coupling: csr_matrix) -> None:
         self._factor, self._rows, self._coupling = factor, rows, coupling
         self._acts = np.flatnonzero(rows >= 0)
         self.shape = len(rows), coupling.shape[1]
@@ -190,7 +190,7 @@ class NodalProjection:
         rows = np.full(len(fixed), -1)
         rows[active] = np.arange(len(active))
         rows[~used] = -1
-        factor = _MassFactor(integrals.mass[active][:, active]) if len(active) else None
+        factor = MassFactor(integrals.mass[active][:, active]) if len(active) else None
         return cls(factor, rows, csr_matrix(integrals.coupling[active]))
 
     def restricted(self, rows: AnyIntegers, columns: AnyIntegers) -> NodalProjection:
@@ -211,7 +211,7 @@ class NodalProjection:
         def product(columns: Array) -> Array:
             return factor.solve(self._coupling @ columns)[self._rows[self._acts]]
 
-        found[self._acts] = _by_columns(product, values, len(self._acts))
+        found[self._acts] = columns_together(product, values, len(self._acts))
         return found
 
     def transposed(self, forces: Array) -> Array:
@@ -225,7 +225,7 @@ class NodalProjection:
             given[self._rows[self._acts]] = columns[self._acts]
             return np.asarray(self._coupling_transposed @ factor.solve(given, transposed=True))
 
-        return _by_columns(product, forces, self.shape[1])
+        return columns_together(product, forces, self.shape[1])
 
     @cached_property
     def _coupling_transposed(self) -> csc_matrix:
@@ -262,10 +262,11 @@ class Projection:
 
     Attributes:
         components: P by components, between nodes; equal ones are the same object.
+        size: Number of components.
     """
 
     def __init__(self, components: Sequence[NodalProjection]) -> None:
-        self.components = tuple(components)
+        self.components, self.size = tuple(components), len(components)
 
     @classmethod
     def between(cls, integrals: MortarIntegrals, fixed: Flags, used: Flags) -> Projection:
@@ -283,6 +284,14 @@ class Projection:
             found.append(made)
         return cls(found)
 
+    def blocks(self) -> list[tuple[Integers, Integers, NodalProjection]]:
+        """Dofs of the slave and of the master, by node and component, and P between them."""
+        every = []
+        for axis, part in enumerate(self.components):
+            slave, master = (np.arange(count) * self.size + axis for count in part.shape)
+            every.append((slave, master, part))
+        return every
+
     def apply(self, values: Array) -> Array:
         """P v, (slave nodes, components, ...), of values (master nodes, components, ...)."""
         parts = [part.apply(values[:, axis]) for axis, part in enumerate(self.components)]
@@ -294,7 +303,7 @@ class Projection:
         return np.stack(parts, axis=1)
 
 
-def _by_columns(product: Callable[[Array], Array], values: Array, rows: int) -> Array:
+def columns_together(product: Callable[[Array], Array], values: Array, rows: int) -> Array:
     """A product with values (nodes, ...), some columns at a time, (rows, ...)."""
     flat = values.reshape(len(values), math.prod(values.shape[1:]))
     found = np.empty((rows, flat.shape[1]))

@@ -19,6 +19,11 @@ from fenics_contact.common import mumps
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import gather_rows, lasting, total
+from fenics_contact.contact.mortar.folded_projection import (
+    FoldedOnRanks,
+    FoldedProjection,
+    RimAcrossCut,
+)
 from fenics_contact.contact.mortar.projection import MortarIntegrals, Projection
 from fenics_contact.contact.surface.space import SurfaceSpace
 
@@ -33,6 +38,7 @@ class SlaveRows:
         integrals: Of this rank's facets: (nodes of this rank, all nodes of the master).
         fixed: Nodes taken out of the mortar space, where P is 0, (nodes of this rank, components).
         used: Nodes whose rows are kept; the others' are 0, (nodes of this rank,).
+        rim: Nodes of the slave that follow from others of it across the cut of a sector, or None.
     """
 
     slave: SurfaceSpace
@@ -40,6 +46,7 @@ class SlaveRows:
     integrals: MortarIntegrals
     fixed: Flags
     used: Flags
+    rim: RimAcrossCut | None = None
 
     def gathered(self) -> Projection:
         """P of the whole surfaces, on every rank; collective."""
@@ -48,7 +55,15 @@ class SlaveRows:
         coupling = self._whole(self.integrals.coupling.tocoo(), columns, self.master)
         integrals = MortarIntegrals(mass, coupling, np.zeros(0))
         fixed, used = self.slave.gathered(self.fixed), self.slave.gathered(self.used)
+        if self.rim is not None:
+            return FoldedProjection(integrals, fixed, used, self.rim)
         return Projection.between(integrals, fixed, used)
+
+    def on_ranks(self) -> SpreadProjection | FoldedOnRanks:
+        """P at the nodes of each rank; collective."""
+        if self.rim is None:
+            return SpreadProjection(self)
+        return FoldedOnRanks(self.gathered(), self.slave, self.master)
 
     def coupled_masters(self) -> Flags:
         """Nodes of the whole master that move any slave node not fixed; collective."""

@@ -47,6 +47,7 @@ class Trace:
         weights: Area that each stands for, > 0, shape (points,).
         normals: Outward unit normals, single-valued at shared nodes, (points, components).
         normals_at_nodes: Those of the surface itself, at all of its nodes.
+        cut: The cut faces of a sector, beyond which it goes on, or None.
         averaged: From which these are: those of the facets around each node, and their mean.
         symmetry: The planes of symmetry, and the walls, that it meets.
         area: Of the surface.
@@ -64,6 +65,7 @@ class Trace:
         self.spaces = spaces
         self.group = group
         self.surface = SurfaceSpace(spaces, group)
+        self.cut = cut
         self._pieces: SurfacePieces | None = None
         self._centres = FacetCentres(self.surface) if needs_centres(spaces) else None
         self.weight: Expr | float = point_weight(self.surface)

@@ -136,12 +136,15 @@ class ContactVariables:
         if pairing is None:
             return []
         near, free = self._near[surface], self._dofs.is_free
-        parts = self._projections[surface].components
+        parts = self._projections[surface].blocks()
+        size = self._projections[surface].size
         slave, master = self._places[surface], self._dofs.places(pairing.dofs)
-        found, size = [], len(parts)
-        for axis, projection in enumerate(parts):
-            others = master[axis::size]
-            moves = projection.nonzero_columns() & (near is None or near.masters)
+        found = []
+        for every, columns_of, projection in parts:
+            others = master[columns_of]
+            moves = projection.nonzero_columns() & (
+                near is None or near.masters[columns_of // size]
+            )
             columns = np.flatnonzero((free | self._follows)[others] & moves)
             kept = projection.restricted(np.arange(projection.shape[0]), columns)
             masters = self._unknown_of[others[columns]]
@@ -149,8 +152,10 @@ class ContactVariables:
                 expansion = self._expansion[others[columns]]
                 masters = np.unique(expansion.indices).astype(np.int64)
                 kept = kept.times(expansion[:, masters])
-            nodes = np.flatnonzero(kept.nonzero_rows() & (near is None or near.slaves))
-            rows = nodes * size + axis
+            nodes = np.flatnonzero(
+                kept.nonzero_rows() & (near is None or near.slaves[every // size])
+            )
+            rows = every[nodes]
             slaves = np.where(free[slave[rows]], self._unknown_of[slave[rows]], -1)
             kept = kept.restricted(nodes, np.arange(len(masters)))
             found.append(_Block(rows, slaves, masters, kept))
@@ -160,7 +165,7 @@ class ContactVariables:
         """Return which dofs of a surface have a jump: against another body those that face it."""
         if surface not in self._projections:
             return np.ones(len(surface.dofs), dtype=bool)
-        return np.repeat(self._faced[surface], len(self._projections[surface].components))
+        return np.repeat(self._faced[surface], self._projections[surface].size)
 
     def _choose_jumps(self, surfaces: Sequence[SurfaceMatrix]) -> dict[SurfaceMatrix, Flags]:
         """Choose which dofs of every surface have the jump as their unknown.
@@ -323,7 +328,7 @@ class ContactVariables:
         if pairing is not None:
             opposite = held[self._dofs.places(pairing.dofs)]
             projection = self._projections[surface]
-            opposite = opposite.reshape(-1, len(projection.components))
+            opposite = opposite.reshape(-1, projection.size)
             found -= projection.apply(opposite).reshape(-1)
             found[~self._has_jump(surface)] = 0.0
         return found
