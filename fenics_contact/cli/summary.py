@@ -148,6 +148,10 @@ def _conditions(scene: Scene) -> list[str]:
             (key,) = keys
             said = [f"{load.definition.words_of(load.value)}{said[0].removeprefix(key)}"]
         lines.append(f"Load '{load.on}': {', '.join(said)}")
+    for given in scene.temperature:
+        of = f"'{given.on}'" if given.on else "all bodies"
+        value = f"{_given(given.value)}{unit(given, 'value')}"
+        lines.append(f"Temperature of {of}: {f'by {given.file}' if given.file else value}")
     for preload in scene.preload:
         locked = preload.locked_from
         kept = "" if locked is None else f", its length locked from time {locked:g}"

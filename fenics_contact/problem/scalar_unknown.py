@@ -161,6 +161,11 @@ class ScalarUnknown(ABC):
         return False
 
     @property
+    def is_given(self) -> bool:
+        """Whether the scene gives its value at all times, so that it is no unknown for users."""
+        return False
+
+    @property
     def keeps_last(self) -> bool:
         """Whether it keeps the value that the last load step ended with."""
         return self.is_locked

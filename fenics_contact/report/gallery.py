@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from fenics_contact.analyses import registry
 from fenics_contact.common.errors import InputError
 from fenics_contact.report.bodies.film import MOST_BODIES, Overview, draw_body_film
-from fenics_contact.report.bodies.picture import draw_body
+from fenics_contact.report.bodies.picture import draw_body, draw_temperatures
 from fenics_contact.report.contacts.curves import draw_curves, draw_profile
 from fenics_contact.report.contacts.depth_curves import draw_axis_stress, draw_surface_displacement
 from fenics_contact.report.contacts.film import FEWEST_STEPS, Film, draw_film, frame_numbers
@@ -41,10 +41,10 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
         result: The content of its ``result.json``.
 
     Returns:
-        The deformed body; of each contact pressure and friction, beside formulas where there are
-        some, and the stress below it; displacements and stresses along lines of flat models;
-        curves over the load steps where there are several; what analyses of the scene have found;
-        animations where there are many load steps;
+        The deformed body, and its temperatures where it has such; of each contact pressure and
+        friction, beside formulas where there are some, and the stress below it; displacements and
+        stresses along lines of flat models; curves over the load steps where there are several;
+        what analyses of the scene have found; animations where there are many load steps;
         the mesh of an adaptive run. Beside each PNG is a PDF of its name.
 
     Raises:
@@ -57,6 +57,7 @@ def draw_pictures(folder: Path, result: RunRecord) -> list[Picture]:
     with style(), in_units(result.units):
         return [
             draw_body(body, result, table, folder / "deformed.png"),
+            *_temperatures(run),
             *_of_contacts(run),
             *_along_lines(run),
             *draw_history(folder, result, run.far),
@@ -111,6 +112,12 @@ def points_of(folder: Path, result: RunRecord) -> ContactTable:
         there = f"it has {len(table.status)} points, but the run had {number}"
         raise InputError(f"{path}: damaged: {there}; make the run again")
     return table
+
+
+def _temperatures(run: RunToDraw) -> Iterator[Picture]:
+    """Yield the temperatures of the bodies, if they have such."""
+    if "temperature" in run.body.point_data:
+        yield draw_temperatures(run.body, run.result, run.folder / "temperature.png")
 
 
 def _of_contacts(run: RunToDraw) -> Iterator[Picture]:

@@ -79,7 +79,7 @@ def model_of(
         solver_reason=choice.reason,
         solver_memory_mb=round(choice.memory / 1e6),
         strategy=_strategy_of(problem, solution),
-        scalar_unknowns=[unknown.name for unknown in problem.unknowns],
+        scalar_unknowns=[unknown.name for unknown in problem.unknowns if not unknown.is_given],
         terms=[term.name for term in problem.terms],
         free_rigid_motions=free.modes,
         rigid_motions=[RigidMotion(**motion) for motion in free.motions],
@@ -136,6 +136,7 @@ def units_of(scene: Scene, quantities: Iterable[str]) -> UnitsRecord | None:
         energy=names.energy,
         per_unit_thickness=names.per_unit_thickness,
         quantities={name: unit for name, unit in measured.items() if unit},
+        temperature=names.temperature,
     )
 
 

@@ -1,4 +1,4 @@
-"""What an answer with couplings, springs and turned supports must satisfy, from its fields alone.
+"""What an answer with couplings, turned supports, temperatures must satisfy, from its fields alone.
 
 Nodal forces are assembled here from the displacements, loads from the scene, and what results say
 is held against these: of the program only the spaces, the displacements and its records are used.
@@ -6,15 +6,16 @@ is held against these: of the program only the spaces, the displacements and its
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from fenics_contact import Result, Run, Spring
+from fenics_contact import Profile, Result, Run, Spring
 from fenics_contact.common import form_cache
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.scene.loading.couplings import GROUND, Way, ways_of
@@ -39,16 +40,21 @@ class Balance:
     sizes: Mapping[str, float] = field(default_factory=dict)
 
 
-def balance_of(solved: Run, result: Result) -> Balance:
+def balance_of(solved: Run, result: Result, stress: float | None = None) -> Balance:
     """Hold an answer against what it must satisfy; collective.
 
     Args:
         solved: The run.
         result: What it found.
+        stress: That of a body which expands freely has to be round-off beside (stress).
     """
+    if any(_has_kink(given.value) for given in solved.scene.temperature):
+        return Balance()  # within cells, whose strains are no polynomials then
     of = _Fields(solved, result)
     checks = (_inside, _of_couplings, _of_springs, _of_faces, _whole, _of_supports, _energies)
     found = tuple(text for check in checks for text in check(of))
+    if stress is not None:
+        found += tuple(_unstressed(of, stress))
     reach = max(of.spaces.comm.allgather(np.ptp(of.places)))
     sizes = {"force": of.scale, "moment": of.scale * reach}
     return Balance(found, sizes | {"displacement": of.largest, "rotation": of.largest / reach})
@@ -62,6 +68,7 @@ class _Fields:
         loads: Forces of loads, likewise.
         scale: What forces are small against: all nodal forces outside (force).
         strain_energy: Of the body (energy).
+        free_work: ½ ∫ σ : e₀ of strains e₀ that are free of stress (energy).
     """
 
     def __init__(self, solved: Run, result: Result) -> None:
@@ -75,7 +82,7 @@ class _Fields:
         self.ring = self.scene.kinematics == "axisymmetric"
         place = ufl.SpatialCoordinate(self.body.mesh)
         self._weight = 2 * ufl.pi * place[0] if self.ring else 1.0
-        internal, self.strain_energy = self._internal()
+        internal, self.strain_energy, self.free_work = self._internal()
         self.loads = self._of_loads()
         self.outside = internal - self.loads
         # What moves these scenes strains them by some 1e-4; far below that all is round-off.
@@ -111,45 +118,91 @@ class _Fields:
         """Of a boundary."""
         place, weight = ufl.SpatialCoordinate(self.body.mesh), self._weight
         densities = [weight, *(weight * place[axis] for axis in range(self.size))]
-        area, *moments = (self._scalar(one * self.measure(name)) for one in densities)
+        area, *moments = (self.scalar(one * self.measure(name)) for one in densities)
         return np.array(moments) / area
 
     def normal(self, name: str) -> Array:
         """Mean of the normal over a flat boundary, (components,)."""
         normal = ufl.FacetNormal(self.body.mesh)
-        found = [self._scalar(normal[axis] * self.measure(name)) for axis in range(self.size)]
+        found = [self.scalar(normal[axis] * self.measure(name)) for axis in range(self.size)]
         return np.array(found) / np.linalg.norm(found)
 
-    def _scalar(self, form: ufl.Form) -> float:
+    def scalar(self, form: ufl.Form) -> float:
+        """A form over the body."""
         return float(self.spaces.comm.allreduce(fem.assemble_scalar(form_cache.form(form))))
 
     def moment(self, at: Array, forces: Array) -> Array:
         """Of nodal forces about a point, (3,)."""
         return self.sum(np.cross(in_space(self.places - at), in_space(forces)))
 
-    def _internal(self) -> tuple[Array, float]:
-        """∫ σ : ε(v) at nodes, and ½ ∫ σ : ε; of an isotropic body (force, energy)."""
-        (material,), space = self.scene.material, self.spaces.displacement_space
-        young, ratio = material.youngs_modulus, material.poissons_ratio
-        shear, lame = young / 2 / (1 + ratio), young * ratio / (1 + ratio) / (1 - 2 * ratio)
+    def _internal(self) -> tuple[Array, float, float]:
+        """∫ σ : ε(v) at nodes, ½ ∫ σ : (ε − e₀), ½ ∫ σ : e₀; of isotropic bodies."""
+        space = self.spaces.displacement_space
         displacement = fem.Function(space)
         displacement.x.array[:] = self.moved.reshape(-1)
-        test = ufl.TestFunction(space)
-        strain, virtual = self._strain(displacement), self._strain(test)
-        identity = ufl.Identity(3)
-        mixed = self.problem.elastic.mixed
+        free = self._free_strain()
+        strain, virtual = self._strain(displacement) - free, self._strain(ufl.TestFunction(space))
+        self.stress = stress = self._stress(strain)
+        form = self._weight * ufl.inner(stress, virtual) * self.spaces.bulk
+        energies = [
+            self.scalar(0.5 * self._weight * ufl.inner(stress, part) * self.spaces.bulk)
+            for part in (strain, free)
+        ]
+        return self.spaces.assemble(form_cache.form(form)), *energies
+
+    def _stress(self, strain: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+        """Of an elastic strain, (3, 3)."""
+        materials = self.scene.material
+        young = self._by_material([one.youngs_modulus for one in materials])
+        ratio = self._by_material([one.poissons_ratio for one in materials])
+        shear, lame = young / 2 / (1 + ratio), young * ratio / (1 + ratio) / (1 - 2 * ratio)
+        identity, mixed = ufl.Identity(3), self.problem.elastic.mixed
         if self.scene.kinematics == "plane stress":
             lame = 2 * lame * shear / (lame + 2 * shear)
-        pressure = lame * ufl.tr(strain)
-        density = shear * ufl.inner(strain, strain) + 0.5 * pressure * ufl.tr(strain)
-        stress = 2 * shear * strain + pressure * identity
         if mixed is not None:  # the mean stress is an unknown
             deviator = strain - ufl.tr(strain) / 3 * identity
-            stress = 2 * shear * deviator + mixed.mean_stress * identity
-            density = 0.5 * ufl.inner(stress, strain)
-        form = self._weight * ufl.inner(stress, virtual) * self.spaces.bulk
-        energy = self._scalar(self._weight * density * self.spaces.bulk)
-        return self.spaces.assemble(form_cache.form(form)), energy
+            return 2 * shear * deviator + mixed.mean_stress * identity
+        return 2 * shear * strain + lame * ufl.tr(strain) * identity
+
+    def _by_material(self, values: Sequence[float]) -> fem.Function:
+        """A number of each material, in each of its cells."""
+        found = fem.Function(fem.functionspace(self.body.mesh, ("DG", 0)))
+        for material, value in zip(self.scene.material, values, strict=True):
+            found.x.array[self._cells(material.on)] = value
+        return found
+
+    def _cells(self, *names: str) -> NDArray[np.int32]:
+        """Cells of this rank that are of all these groups; an empty name stands for all."""
+        topology = self.body.mesh.topology
+        index_map = topology.index_map(topology.dim)
+        found = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
+        for name in filter(None, names):
+            found = np.intersect1d(found, self.body.entities(self.body.groups[name]))
+        return found
+
+    def _free_strain(self) -> ufl.core.expr.Expr:
+        """e₀, (3, 3), of temperatures and of bolts that are tight; in plane stress in the plane."""
+        mesh, flat = self.body.mesh, self.scene.kinematics == "plane stress"
+        space = fem.functionspace(mesh, ("DG", self.spaces.degree - 1))
+        rows = [fem.Function(space) for _ in range(3)]
+        for given in self.scene.temperature:
+            for material in self.scene.material:
+                cells = self._cells(given.on, material.on)
+                rise = fem.Function(space)
+                rise.interpolate(partial(_over, given.value, material.reference_temperature))
+                dofs = space.dofmap.list[cells]
+                alpha = np.broadcast_to(material.thermal_expansion, 3)
+                for row, along in zip(rows, alpha, strict=True):
+                    row.x.array[dofs] = rise.x.array[dofs] * along * given.path(self.time)
+        for preload in self.scene.preload:
+            cells, axis = self._cells(preload.on), int(np.argmax(preload.axis))
+            nodes = np.unique(self.spaces.displacement_space.dofmap.list[cells])
+            along = self.places[nodes, axis]
+            low = min(self.spaces.comm.allgather(along.min(initial=np.inf)))
+            length = max(self.spaces.comm.allgather(along.max(initial=-np.inf))) - low
+            short = self.result.preloads[preload.label].elongation / length
+            rows[axis].x.array[space.dofmap.list[cells]] -= short
+        return ufl.diag(ufl.as_vector([rows[0], rows[1], 0.0 if flat else rows[2]]))
 
     def _strain(self, of: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
         """Symmetric gradient, (3, 3), with that around the axis; 0 across a plane."""
@@ -452,6 +505,29 @@ def _directions(of: _Fields, support) -> tuple[list[Array], list[float | None]]:
     return [np.broadcast_to(row, (count, size)) for row in rows], held
 
 
+def _has_kink(value: object) -> bool:
+    return isinstance(value, Profile) and len(value.at) > 2
+
+
+def _over(value: object, reference: float, x: Array) -> Array:
+    """A temperature less the reference at places, (3, places)."""
+    found = value
+    if isinstance(value, Profile):
+        found = np.interp(x[AXES.index(value.along)], value.at, value.values)
+    elif callable(value):
+        found = value(x)
+    return np.broadcast_to(np.subtract(found, reference), x.shape[1])
+
+
+def _unstressed(of: _Fields, size: float) -> Iterator[str]:
+    """No stress in the plane, or in space, where a body expands freely: L₂ over the body."""
+    part = ufl.as_matrix([[of.stress[i, j] for j in range(of.size)] for i in range(of.size)])
+    volume = of.scalar(ufl.as_ufl(1.0) * of.spaces.bulk)
+    worst = np.sqrt(of.scalar(ufl.inner(part, part) * of.spaces.bulk) / volume)
+    if not worst <= 1e-10 * size:
+        yield f"stresses of a free body are {worst / size:.1e} of those of a clamped one"
+
+
 def _energies(of: _Fields) -> Iterator[str]:
     """Of the body and of springs; the work of all that is outside is twice both."""
     scene, told = of.scene, of.result.quantities
@@ -459,7 +535,9 @@ def _energies(of: _Fields) -> Iterator[str]:
     work += float(of.sum(np.sum(of.loads * of.moved, axis=1)))
     size = float(of.sum(np.sum(np.abs((of.outside + of.loads) * of.moved), axis=1)))
     size = max(size, of.energy)
-    for name, found in (("of the results", told["strain_energy"]), ("by forces", 0.5 * work)):
+    by_forces = 0.5 * work - of.free_work
+    size = max(size, abs(of.free_work))
+    for name, found in (("of the results", told["strain_energy"]), ("by forces", by_forces)):
         if not abs(found - of.strain_energy) <= 1e-6 * size:
             yield f"strain energy {of.strain_energy}, {name} {found}"
     if scene.spring and not any(one.is_elastic for one in scene.support):

@@ -25,7 +25,7 @@ class Outcome:
         seconds: Of this rank, mesh and compilation included.
         mixed: Whether some contact slips and sticks at once.
         result: None after an error.
-        balance: Of an answer with couplings.
+        balance: Of an answer with couplings or temperatures.
     """
 
     code: int
@@ -58,8 +58,8 @@ def outcome_of(random: RandomScene, comm: MPI.Comm = MPI.COMM_WORLD) -> Outcome:
         return Outcome(error.exit_code, words, time.monotonic() - start)
     seconds = time.monotonic() - start
     mixed, balance = slips_and_sticks(result), Balance()
-    if random.scene.coupling and result.exit_code == ANSWERED:
-        balance = balance_of(solved, result)
+    if (random.scene.coupling or random.scene.temperature) and result.exit_code == ANSWERED:
+        balance = balance_of(solved, result, random.stress)
     return Outcome(result.exit_code, result.verdict, seconds, mixed, result, balance)
 
 

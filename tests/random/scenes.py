@@ -64,6 +64,7 @@ class RandomScene:
         polygon: Boxes of coarser cells, of which those of these boxes are pieces.
         closed: Names of boxes that the map closes to rings.
         welded: Names of boxes that are one body.
+        stress: E α ΔT of a body that expands freely, beside which its stresses are round-off.
     """
 
     scene: Scene
@@ -78,6 +79,7 @@ class RandomScene:
     polygon: tuple[Box, ...] = ()
     closed: tuple[str, ...] = ()
     welded: tuple[tuple[str, ...], ...] = ()
+    stress: float | None = None
 
     def body(self, comm: MPI.Comm = MPI.COMM_WORLD) -> Body:
         """Its mesh, with the sides of each box named ``box.x0``, ``box.x1``, …; collective."""

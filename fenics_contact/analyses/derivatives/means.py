@@ -28,6 +28,7 @@ from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, PRESSURE_INTEG
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.load_kinds import times
+from fenics_contact.scene.loading.temperatures import largest_expansion, largest_rise
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.sensitivities.derivatives import Derivatives
 from fenics_contact.simulation.sensitivities.scene_values import found_in, numbered, with_changes
@@ -54,6 +55,8 @@ class Mean(NamedTuple):
 
 # A number smaller than this share of what its changes are measured by counts as 0.
 _NOTHING = 1e-3
+# Of a material that does not expand: about that of glass (1/temperature).
+_EXPANSION = 1e-5
 # Cells that an edge moves by, from end to end of a window that is as wide as one.
 _A_CELL = 0.8
 
@@ -167,6 +170,10 @@ class Means:
             scale = self._present(MAX_CONTACT_PRESSURE)
         elif "force" in names:
             scale = self._present(PRESSURE_INTEGRAL)
+        elif table == "temperature" or names[-1] == "reference_temperature":
+            return largest_rise(self._scene.temperature, self._scene.material)
+        elif names[-1] == "thermal_expansion":
+            return abs(number) or max(map(largest_expansion, self._scene.material)) or _EXPANSION
         elif "position" in names:  # of the cells at the edges, but in 3D, where there are many
             scale = max(middle.strips, default=0.0) or 1.0
         else:

@@ -78,6 +78,11 @@ class ThermalStrain(BodyScalar):
         return True
 
     @property
+    def is_given(self) -> bool:
+        """Whether the scene gives its value at all times: it does."""
+        return True
+
+    @property
     def keeps_last(self) -> bool:
         """Whether it keeps the value of the last load step: no, the scene gives each."""
         return False

@@ -159,7 +159,7 @@ class _Flat:
         panel.set_ylabel(self._labels[1])
         colours = draw_flat(panel, body, view, contacts, obstacles, self._overview.limits)
         if self._is_first:
-            add_bar(self._figure, panel, colours, self._overview.beyond)
+            add_bar(self._figure, panel, colours, view.field, self._overview.beyond)
         add_legend(panel, title, all_marks=view.marks)
         pixels = _pixels(self._figure, self._is_first)
         self._is_first = False

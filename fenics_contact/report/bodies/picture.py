@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.report.bodies.space import render, seen_points
-from fenics_contact.report.bodies.view import ObstacleSurface, View, choose_view, obstacles_of
+from fenics_contact.report.bodies.view import (
+    ObstacleSurface,
+    View,
+    choose_view,
+    obstacles_of,
+    whole_view,
+)
 from fenics_contact.report.drawing.cells import nodes_at
 from fenics_contact.report.drawing.fields import Triangles, flat_outline, flat_sides
 from fenics_contact.report.drawing.figures import new_figure, save
@@ -35,7 +41,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pyvista import UnstructuredGrid
 
-_STRESS = r"von Mises stress, $\sigma_{VM}$"
+_LABELS = {
+    "von Mises stress": (r"von Mises stress, $\sigma_{VM}$", "stress"),
+    "temperature": ("temperature, $T$", "temperature"),
+}
 _HEIGHTS = (1.0, 5.0)  # of a flat model's panel, in inches
 _FLAT = 0.35  # height over width of panels that have their colour bar below
 
@@ -63,7 +72,7 @@ def draw_body(body: UnstructuredGrid, result: Outcome, table: ContactTable, path
         figure, panel = flat_figure(view)
         colours = draw_flat(panel, body, view, contacts, obstacles, (low, high))
         add_legend(panel, title)
-        add_bar(figure, panel, colours, bool(beyond))
+        add_bar(figure, panel, colours, view.field, bool(beyond))
     else:
         seen = seen_points(view)
         picture = render(body, view, contacts, obstacles, (low, high), seen)
@@ -71,6 +80,34 @@ def draw_body(body: UnstructuredGrid, result: Outcome, table: ContactTable, path
         add_legend(panel, title)
     save(figure, path, tight=view.flat)
     return Picture(path, title, _caption(view, contacts, beyond))
+
+
+def draw_temperatures(body: UnstructuredGrid, result: Outcome, path: Path) -> Picture:
+    """Draw the temperatures of a body at the end of a run.
+
+    Args:
+        body: As ``read_body`` returns it, with temperatures.
+        result: The content of its ``result.json``.
+        path: PNG file to write.
+
+    Raises:
+        InputError: A display is missing for a body in space; says what to install.
+    """
+    view = whole_view(body, result.model.kinematics, "temperature")
+    values = np.asarray(body["temperature"])
+    limits = ends_of_colours(float(values.min()), float(values.max()))
+    if view.flat:
+        figure, panel = flat_figure(view)
+        add_bar(figure, panel, draw_flat(panel, body, view, [], [], limits), view.field)
+    else:
+        seen = np.zeros(len(values), dtype=bool)
+        figure, panel = framed(render(body, view, [], [], limits, seen), view, limits, seen)
+    title = "Temperature"
+    add_legend(panel, title)
+    save(figure, path, tight=view.flat)
+    ends = " to ".join(with_unit(each, "temperature") for each in (values.min(), values.max()))
+    said = f"The temperature at the end, from {ends}, linear or quadratic between nodes; at a node "
+    return Picture(path, title, f"{said}of several cells the mean of these.")
 
 
 def times(factor: float) -> str:
@@ -110,15 +147,17 @@ def flat_figure(view: View) -> tuple[Figure, Axes]:
     return figure, panel
 
 
-def add_bar(figure: Figure, panel: Axes, colours: ScalarMappable, beyond: bool) -> None:
-    """The colour bar of the stress, below wide panels; an arrow at its end where some is beyond."""
+def add_bar(
+    figure: Figure, panel: Axes, colours: ScalarMappable, field: str, beyond: bool = False
+) -> None:
+    """The colour bar of a field, below wide panels; an arrow at its end where some is beyond."""
     low, high = np.sort(np.array([panel.get_xlim(), panel.get_ylim()])).T
     across, up = high - low
     look: dict[str, Any] = {"shrink": 0.85, "pad": 0.02}
     if up < _FLAT * across:
         look = {"location": "bottom", "shrink": 0.6}
     extend = "max" if beyond else "neither"
-    label = labelled(_STRESS, "stress")
+    label = labelled(*_LABELS[field])
     figure.colorbar(colours, ax=panel, label=label, extend=extend, aspect=28, **look)
 
 
@@ -150,7 +189,7 @@ def framed(
         if drawn & {("OPEN", "STICK", "SLIP").index(status) for status in mark.status}:
             panel.plot([], [], **point_look(mark))
     colours = ScalarMappable(Normalize(*limits), COLOUR_MAP)
-    add_bar(figure, panel, colours, beyond)
+    add_bar(figure, panel, colours, view.field, beyond)
     _axes(panel, view)
     return figure, panel
 
@@ -205,12 +244,12 @@ def draw_flat(
     """
     from matplotlib.collections import LineCollection
 
-    cells = Triangles.of(view.body, "displacement", "von Mises stress")
+    cells = Triangles.of(view.body, "displacement", view.field)
     points = cells.moved(view.factor)
     colours = panel.tripcolor(
         *points[:, :2].T,
         cells.corners,
-        cells.fields["von Mises stress"],
+        cells.fields[view.field],
         shading="gouraud",
         cmap=COLOUR_MAP,
         vmin=limits[0],

@@ -116,7 +116,7 @@ def _add_body(plotter: Plotter, view: View, limits: tuple[float, float]) -> None
     smooth = surface(block, level).warp_by_vector("displacement", factor=view.factor)
     plotter.add_mesh(
         smooth,
-        scalars="von Mises stress",
+        scalars=view.field,
         clim=limits,
         cmap=COLOUR_MAP,
         show_scalar_bar=False,

@@ -40,6 +40,7 @@ class View:
         factor: Magnification of the displacements.
         hides: Whether a body may stand before contact points.
         axisymmetric: Whether x is the radius.
+        field: What colours the body.
     """
 
     body: UnstructuredGrid
@@ -52,6 +53,7 @@ class View:
     factor: float
     hides: bool
     axisymmetric: bool
+    field: str = "von Mises stress"
 
     @property
     def size(self) -> float:
@@ -95,6 +97,20 @@ def choose_view(body: UnstructuredGrid, result: Outcome, table: ContactTable) ->
             return View(body, *near, True, flat, sight, looks, factor, hides, axial)
     sight, factor = _towards(flat, front, np.zeros(3)), _factor(body, low, high, gap)
     return View(body, low, high, False, flat, sight, looks, factor, hides, axial)
+
+
+def whole_view(body: UnstructuredGrid, kinematics: str, field: str) -> View:
+    """All of a body, coloured by a field, with displacements to scale.
+
+    Args:
+        body: A pyvista grid with the fields of a run.
+        kinematics: Of the model.
+        field: Name of one of these.
+    """
+    low, high = np.array(body.bounds).reshape(3, 2).T
+    flat, axial = kinematics != "3D", kinematics == "axisymmetric"
+    towards = np.array([0.0, 0.0, 1.0] if flat else [1.0, 1.0, 1.0]) / np.sqrt(1 if flat else 3)
+    return View(body, low, high, False, flat, towards, (), 1.0, False, axial, field)
 
 
 def cells_inside(body: UnstructuredGrid, view: View) -> UnstructuredGrid:

@@ -101,6 +101,8 @@ def make_view(
     contacts = [(table.of(contact.name), contact) for contact in result.contacts]
     obstacles = obstacles_of(body, contacts)
     shown = {"von Mises stress": "σ_VM", "displacement": "|u|"}
+    if "temperature" in body.array_names:
+        shown["temperature"] = "T"
     fields, symbols = _fields(body, result, len(kinds) - 1)
     fields["obstacle"] = _obstacles(body, obstacles)
     times = []
@@ -144,6 +146,8 @@ def _fields(
     fields = {name: np.asarray(body[name], dtype=float) for name in ("displacement", "status")}
     fields["status"] = np.minimum(fields["status"], most)
     fields["von Mises stress"] = np.asarray(body["von Mises stress"], dtype=float)
+    if "temperature" in body.array_names:
+        fields["temperature"] = np.asarray(body["temperature"], dtype=float)
     symbols: dict[str, str] = {}
     if (fields["status"] >= 0).any():
         fields["contact pressure"] = np.asarray(body["contact_pressure"], dtype=float)

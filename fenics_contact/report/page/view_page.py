@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 _MOST_LINES = 60_000  # pieces of cells' sides
 _MEASURED = {
     "displacement": "length",
+    "temperature": "temperature",
     **dict.fromkeys(("von Mises stress", "contact pressure", "friction traction"), "stress"),
 }
 
@@ -109,8 +110,10 @@ def _field(name: str, symbol: str, view: View) -> dict[str, object]:
     low, most, high = np.max([np.percentile(values, [0, 99.5, 100]) for values in steps], axis=0)
     low = min(float(values.min()) for values in steps)
     peaked = high > 3 * most > 0 and name == "von Mises stress"
-    least = 0.0 if low < 0.05 * high else low
-    first, top = ends_of_colours(least, max(float(most if peaked else high), 0.0))
+    least, top = 0.0 if low < 0.05 * high else low, max(float(most if peaked else high), 0.0)
+    if name == "temperature":  # of no zero
+        least, top = low, float(high)
+    first, top = ends_of_colours(least, top)
     return {
         "name": name,
         "symbol": symbol,

@@ -115,6 +115,7 @@ class UnitsRecord(Record):
         per_unit_thickness: Whether forces, areas and energies are per length, as in plane models
             without a thickness.
         quantities: Quantity → its unit in this run; without those that are pure numbers.
+        temperature: `K` or `°C`.
     """
 
     length: str
@@ -123,15 +124,14 @@ class UnitsRecord(Record):
     energy: str
     per_unit_thickness: bool = False
     quantities: Mapping[str, str] = field(default_factory=dict)
+    temperature: str = "K"
 
     def of(self, words: str) -> str:
         """The unit of what is measured, such as ``stress/length``; empty of a pure number."""
         if not self.length:
             return ""
-        names = UnitNames(
-            self.length, self.force, self.stress, self.energy, self.per_unit_thickness
-        )
-        return names.of(words)
+        own = self.length, self.force, self.stress, self.energy
+        return UnitNames(*own, self.per_unit_thickness, self.temperature).of(words)
 
 
 #: Where a scene has none: nothing is said.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from pydantic import Field
@@ -83,3 +84,24 @@ def expansions(material: Material) -> tuple[float, tuple[float, float, float]] |
     if largest == 0:
         return 0.0, (1.0, 1.0, 1.0)
     return largest, (x / largest, y / largest, z / largest)
+
+
+def largest_expansion(material: Material) -> float:
+    """Largest size of a material's thermal expansion; 0 without one (1/temperature)."""
+    found = expansions(material)
+    return 0.0 if found is None else abs(found[0])
+
+
+def largest_rise(temperatures: Sequence[Temperature], materials: Sequence[Material]) -> float:
+    """Largest difference of a uniform temperature from a reference; 1 without any (temperature).
+
+    >>> largest_rise([Temperature(value=120)], [Material(reference_temperature=20, name="copper")])
+    100.0
+    """
+    rises = [
+        abs(float(given.value) - material.reference_temperature)
+        for given in temperatures
+        for material in materials
+        if isinstance(given.value, float | int)
+    ]
+    return max(rises, default=0.0) or 1.0

@@ -9,6 +9,7 @@ from mpi4py import MPI
 
 from fenics_contact import Line, Material, Point, Profile, Study, Support, Temperature, run
 from fenics_contact.scene.reading import scene_of_text
+from fenics_contact.scene.units.table import Units
 from tests.body.thermal.test_temperatures import ALPHA, CELLS, E, block, held_as_needed, scene
 from tests.messages import refused
 from tests.scenes import box_body
@@ -136,6 +137,19 @@ def test_temperatures_with_units():
     assert scene_of_text(named, FilePath("scene.toml")).material[0].density == pytest.approx(
         7.85e-9
     )
+
+
+def test_units_of_temperatures_are_those_of_the_scene():
+    made = _bar(Temperature(value=120), units=Units("mm", "N", "°C"))
+    units = run(made, COMM, _body()).units
+    assert units.of("temperature") == "°C"
+    assert units.quantities["max_temperature"] == "°C"
+
+
+def test_a_temperature_is_no_unknown_of_users():
+    found = run(_bar(Temperature(value=120)), COMM, _body())
+    assert found.model.scalar_unknowns == []
+    assert "temperature" in found.model.terms
 
 
 def test_a_material_by_name_expands():

@@ -343,6 +343,18 @@ def test_derivatives_by_temperatures(steps):
             assert found.derivatives[name][key].discrete == pytest.approx(difference, rel=1e-5)
 
 
+def test_mean_derivatives_are_those_of_what_is_linear():
+    """Windows of expansions and temperatures are measured by these, not by a length."""
+    made, body = _fitted()
+    contact = (replace(made.contact[0], law="none", friction_coefficient=0.0),)
+    asked = DerivativeRequest(of=("pressure_integral",), by=KEYS)
+    support = (*made.support, Support("hub.y0", {"y": 0.0}))
+    asked = replace(made, support=support, contact=contact, derivatives=asked)
+    found = run(asked, COMM, body)
+    for by in found.derivatives["pressure_integral"].values():
+        assert by.value == pytest.approx(by.discrete, rel=1e-6)
+
+
 def test_a_derivative_of_a_field_is_refused():
     made, body = _fitted()
     profile = Profile(along="x", at=(0, 40), values=(-80, -60))

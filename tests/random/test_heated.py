@@ -1,0 +1,85 @@
+"""Bodies with temperatures at random, held against sums of their own, and taken up again.
+
+``benchmarks/random_scenes.py --kinds heated`` draws as many as one likes.
+"""
+
+import dataclasses
+
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import Run, Steps
+from fenics_contact.simulation.output import run_folder as files
+from fenics_contact.simulation.state_file import StateFile
+from tests.random.balances import balance_of
+from tests.random.kinds import draw_kind, with_errors
+from tests.random.outcomes import outcome_of
+
+COMM = MPI.COMM_WORLD
+SEED, NUMBER = 50, 12
+
+
+def drawn(number):
+    """Without error bars; the same on every rank."""
+    return with_errors(draw_kind("heated", SEED, number), "none")
+
+
+@pytest.mark.parametrize("number", range(NUMBER))
+def test_it_balances_or_is_refused(number):
+    random = drawn(number)
+    outcome = outcome_of(random)
+    assert outcome.code in (0, 2, 3), f"{outcome.words}\n{random!r}"
+    if random.must_be:
+        assert (outcome.code == 0) == (random.must_be == "answered"), outcome.words
+    assert not outcome.balance.faults, random
+
+
+def first_of(kind, wanted=lambda random: True):
+    """The first scene of a kind that is wanted."""
+    for number in range(300):
+        random = drawn(number)
+        if random.kind == f"heated: {kind}" and wanted(random):
+            return random
+    raise AssertionError(f"no such {kind} is drawn")
+
+
+def test_a_wrong_temperature_does_not_balance():
+    random = first_of("row", lambda random: len(random.scene.temperature) == 1)
+    solved = Run(random.scene, COMM, random.body(COMM))
+    result = solved.solve()
+    assert not balance_of(solved, result).faults
+    (given,) = random.scene.temperature
+    warmer = dataclasses.replace(given, value=1.001 * (given.value or 1.0))
+    solved.scene = dataclasses.replace(random.scene, temperature=(warmer,))
+    assert balance_of(solved, result).faults
+
+
+def test_a_free_body_with_stress_is_noticed():
+    random = first_of("free", lambda random: random.stress is not None)
+    solved = Run(random.scene, COMM, random.body(COMM))
+    result = solved.solve()
+    assert not balance_of(solved, result, random.stress).faults
+    assert balance_of(solved, result, 1e-9 * random.stress).faults
+
+
+def written(made, out, resume):
+    """The result of a run with its files."""
+    files.require_writable(out, COMM)
+    state = StateFile(out, made.problem)
+    return files.solve_and_write(made, out, state, state.load() if resume else None)
+
+
+@pytest.mark.parametrize("kind", ["fit", "stack", "bolted"])
+def test_what_was_stopped_goes_on(kind, folder):
+    """The state after two of three load steps leads to the same answer."""
+    random = first_of(kind)
+    times = (1.0, 1.5, 2.0) if kind == "bolted" else (0.4, 0.7, 1.0)
+    whole = dataclasses.replace(random.scene, steps=Steps(times=times))
+    begun = dataclasses.replace(random.scene, steps=Steps(times=times[:2]))
+    body = random.body(COMM)
+    at_once = Run(whole, COMM, body).solve()
+    assert at_once.exit_code == 0, at_once.verdict
+    written(Run(begun, COMM, body), folder / "out", resume=False)
+    taken_up = written(Run(whole, COMM, body), folder / "out", resume=True)
+    for name in ("strain_energy", "external_work", "max_temperature"):
+        assert taken_up.quantities[name] == pytest.approx(at_once.quantities[name], rel=1e-8)
