@@ -54,8 +54,8 @@ def load_records(problem: Problem, displacement: Array) -> list[LoadRecord]:
     return found
 
 
-# Round-off of sums.
-_ROUND_OFF = 1e-9
+# Round-off of sums; and of energies, over that of a scalar in a body that is held everywhere.
+_ROUND_OFF, _OF_ENERGIES = 1e-9, 1e-14
 # Of the work done: what a contact may do to the balance besides what is known to be left open.
 _SHARE = 0.02
 
@@ -130,7 +130,7 @@ class EnergyBalance:
         self.work += float(sum(done))
         self.done += float(np.abs(done).sum())
         farthest = largest(problem.comm, np.abs(moved[: problem.spaces.owned_nodes]))
-        self.round_off += solution.imbalance_limit * farthest
+        self.round_off += solution.imbalance_limit * farthest + self._of_scalars(solution)
         pairs = zip(problem.contacts, solution.states, strict=True)
         for (contact, state), motion in zip(pairs, motions, strict=True):
             self.left_open += contact.work.left_open(state)
@@ -179,6 +179,12 @@ class EnergyBalance:
         self._last["scalars"] = now
         works = 0.5 * (last[:, 0] + now[:, 0]) * (now[:, 1] - last[:, 1])
         return [float(work) for work in works]
+
+    def _of_scalars(self, solution: Solution) -> float:
+        """What round-off leaves of the works on scalars: a free body's are 0 that expands."""
+        pairs = zip(self._problem.body_scalars, solution.scalars, strict=True)
+        energies = (one.forces_on_body.stiffness * state.value**2 for one, state in pairs)
+        return _OF_ENERGIES * sum(map(abs, energies))
 
     @property
     def sums(self) -> list[float]:

@@ -95,7 +95,8 @@ def largest_expansion(material: Material) -> float:
 def largest_rise(temperatures: Sequence[Temperature], materials: Sequence[Material]) -> float:
     """Largest difference of a uniform temperature from a reference; 1 without any (temperature).
 
-    >>> largest_rise([Temperature(value=120)], [Material(reference_temperature=20, name="copper")])
+    >>> cold = Material(youngs_modulus=1, poissons_ratio=0, reference_temperature=20)
+    >>> largest_rise([Temperature(value=120)], [cold])
     100.0
     """
     rises = [

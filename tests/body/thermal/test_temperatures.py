@@ -109,6 +109,22 @@ def test_a_linear_temperature_bends_a_free_block_without_stress(cell):
     assert largest_stress(found, ["inside"]) < 1e-10 * E * ALPHA * 100
 
 
+@pytest.mark.parametrize("solver", ["condensed", "full"])
+def test_the_energy_of_a_free_block_is_round_off(solver):
+    """Along several load steps, whose works are none either."""
+    made = scene(
+        "plane stress",
+        Temperature(value=230),
+        support=held_as_needed("plane stress"),
+        steps=Steps(3),
+        solver=SolverSettings(solver=solver, errors="none"),
+    )
+    for cell in CELLS["plane stress"]:
+        found = run(made, COMM, block("plane stress", cell))
+        assert found.passed, found.verdict
+        assert abs(found.quantities["strain_energy"]) < 1e-12 * E * (ALPHA * 210) ** 2 * 6
+
+
 @pytest.mark.parametrize("degree", [1, 2])
 def test_a_clamped_bar_is_pressed(degree):
     """By −E α ΔT, here along a path there and back."""
