@@ -20,6 +20,7 @@ from fenics_contact import (
     Study,
     Support,
     SupportAxes,
+    Temperature,
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
@@ -349,3 +350,64 @@ def test_names_and_axes_of_a_sector():
         CyclicSymmetry("a", "a", 4)
     with refused("sector_along_nothing"):
         CyclicSymmetry("a", "b", 4, axis=(0, 0, 0))
+
+
+def test_an_axis_along_none_of_the_model():
+    """The quarter with the axis inside, turned in space: moved and strained alike."""
+    upright = pinwheel(False, dimension=3)
+    found = upright.solve()
+    scene, body = upright.scene, upright.problem.body
+    axis = np.array([1.0, 2.0, -2.0]) / 3
+    beside = np.array([2.0, 1.0, 2.0]) / 3
+    turn = np.column_stack([beside, np.cross(axis, beside), axis])
+
+    def turned(vector):
+        return tuple((turn @ vector).tolist())
+
+    body.mesh.geometry.x[:] = body.mesh.geometry.x @ turn.T
+    axes = SupportAxes(cylindrical=turned((0, 0, 1)))
+    other = dataclasses.replace(
+        scene,
+        support=tuple(dataclasses.replace(one, axes=axes) for one in scene.support),
+        load=tuple(Load(one.on, traction=turned(one.traction)) for one in scene.load),
+        point=tuple(dataclasses.replace(one, at=turned(one.at)) for one in scene.point),
+        cyclic_symmetry=CyclicSymmetry("bar.x0", "bar.y0", 4, turned((0, 0, 3))),
+    )
+    result = Run(other, COMM, body).solve()
+    assert result.passed, result.verdict
+    name = "displacement_corner"
+    assert result.quantities[name] == pytest.approx(turned(found.quantities[name]), rel=1e-8)
+    assert result.quantities["strain_energy"] == pytest.approx(
+        found.quantities["strain_energy"], rel=1e-9
+    )
+    assert result.model.symmetry.startswith("1 of 4 sectors about (")
+
+
+def test_a_saved_body_of_a_sector(tmp_path):
+    """Answers of a body that is read again are those of one made anew."""
+    scene = dataclasses.replace(fitted(False, twist=0.0), load=(Load("hub.y1", pressure=0.2),))
+    body, file = hub_on_shaft(1), COMM.bcast(tmp_path / "sector.npz")
+    study = Study(scene, body=body)
+    study.solve()
+    study.save(file)
+    changes = {"contact.0.interference": 0.025}
+    again = Study.load(file, scene=scene, body=body).solve(changes).quantities
+    anew = Run(study.changed(changes), COMM, hub_on_shaft(1)).solve().quantities
+    for name in (*SUMS, "reaction", "max_contact_pressure"):
+        assert again[name] == pytest.approx(anew[name], rel=1e-8)
+
+
+@pytest.mark.parametrize("solver", ["condensed", "full"])
+def test_a_hub_that_is_warmer_than_its_shaft(solver):
+    """Thermal strains of the hub: the same pressures as of the whole ring."""
+    warm = (Temperature(value=-5.0, on="hub"),)
+    material = Material(E, NU, thermal_expansion=1e-3)
+    whole, part = (
+        Run(
+            dataclasses.replace(fitted(whole, solver=solver), material=material, temperature=warm),
+            COMM,
+            hub_on_shaft(SECTORS if whole else 1),
+        ).solve()
+        for whole in (True, False)
+    )
+    assert off_at_points(whole, part, "contact_pressure") < 1e-8
