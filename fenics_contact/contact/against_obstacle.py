@@ -69,6 +69,8 @@ class ObstacleKinematics(ContactKinematics):
             error = caught
         raise_together(comm, error)
         self._size = trace.surface.farthest() + self._obstacle.size
+        self._finds_angle = obstacle.moment is not None
+        self._follow_shape()
         self.stand()
         self._require_in_its_way(self.reached, key)
 
@@ -199,7 +201,8 @@ class ObstacleKinematics(ContactKinematics):
         """
         if not self._has_shape:
             return np.zeros(0)
-        jump = self.jump_at_points() - self.brought_up * self.direction
+        jump = self.jump_at_points() + self.trace.at_points(self.beyond_shape)
+        jump = jump - self.brought_up * self.direction
         aside = self.tangential(jump)
         slid = (np.linalg.norm(aside, axis=1) > distance) & ~self._left_out
         moved, normals = self.trace.coordinates[slid], self.trace.normals[slid]
@@ -214,9 +217,20 @@ class ObstacleKinematics(ContactKinematics):
         the obstacle moved by the part along the surface, and turned.
         """
         if not np.array_equal(np.append(displacement, angle), self._shape_motion):
+            before = self.beyond_shape
             self.displacement, self.shape_angle = displacement, angle
             self._measured = np.where(self._left_out, np.inf, self._whole())
+            self._follow_shape()
+            # What was in the jump is in the gap now: points are as deep as they were.
+            self._shift_jump(before - self.beyond_shape)
         self.stand()
+
+    def _follow_shape(self) -> None:
+        """Take the slopes of the gap in an angle that is found, where the shape is measured."""
+        if self._finds_angle:
+            slopes = np.where(np.isfinite(self._measured), self.gap_slopes_of_motion(-1), 0.0)
+            normals = self.trace.normals_at_nodes
+            self.shape_field = self.trace.at_every_node(slopes)[:, None] * normals
 
     def stand(self) -> None:
         """Take the gap of the obstacle as it stands now, after it was driven or moved."""

@@ -204,7 +204,7 @@ class ContactSurface:
         moved = self.paths.displacement(time)
         if moved is not None or kinematics.turning.axis.any():
             shift = kinematics.displacement if moved is None else moved
-            angle = kinematics.angle if self.moment is None else kinematics.last_angle
+            angle = kinematics.angle if self.moment is None else 0.0
             kinematics.displace(shift, angle)
         elif self.force is None:
             kinematics.stand()
@@ -257,8 +257,7 @@ class ContactSurface:
         """A load step is done: slip counts from here where the law is incremental; collective."""
         state = self.state()
         self.wear.advance(state)  # before the step is the last one, from whose end it goes
-        self.last_step.advance(state, self.kinematics.gap, self.work.in_step(state))
-        self.kinematics.follow_turn()
+        self.last_step.advance(state, self.kinematics.present_gap, self.work.in_step(state))
         self.normal.advance(state)
         self.friction.advance(state)
         self.friction.accept(state.slip)
@@ -295,8 +294,8 @@ class ContactSurface:
         return self.has_unknown_position or self.has_unknown_angle
 
     @property
-    def gap_follows_steps(self) -> bool:
-        """Whether the gap is that to a shape as a moment had turned it in the load step before."""
+    def gap_follows_angle(self) -> bool:
+        """Whether the gap follows an angle that is found, by a slope that its shape decides."""
         obstacle = self.contact.obstacle
         return self.has_unknown_angle and obstacle is not None and obstacle.has_form
 

@@ -44,9 +44,10 @@ class ContactKinematics(ABC):
         displacement: How far it has moved besides, (components,) (length).
         turning: The axis about which an obstacle turns.
         angle: By how much it has turned at present (radian).
-        shape_angle: The angle at which the gap to its shape is measured (radian).
-        last_angle: The angle at the end of the last load step: where a moment turns an obstacle,
-            the gap to its shape is measured at this one (radian).
+        shape_angle: The angle at which the gap to its shape is measured; 0 where a moment turns
+            it (radian).
+        shape_field: By how much the gap to its shape widens as the obstacle turns beyond that
+            angle, along the normals at all nodes, (nodes, components) (length over radian).
         faces_body: Whether a deformable surface stands opposite, not a rigid obstacle.
         pairing: The deformable body opposite, None against an obstacle.
         axis: The obstacle's own, ``direction``; None where it has none but the surface's.
@@ -68,7 +69,8 @@ class ContactKinematics(ABC):
         self.displacement = np.zeros(self._spaces.components)
         self.direction = np.zeros(self._spaces.components)
         self.turning = Turning.of(None)
-        self.angle = self.shape_angle = self.last_angle = 0.0
+        self.angle = self.shape_angle = 0.0
+        self.shape_field = np.zeros((len(trace.all_nodes), self._spaces.components))
         self.gap = self._drawn = np.zeros(len(trace.weights))
         self.interference, self.worn = 0.0, np.zeros(len(trace.weights))
         self._places = trace.coordinates
@@ -261,13 +263,9 @@ class ContactKinematics(ABC):
             angle: That of the obstacle (radian).
             shape_angle: That at which the gap to its shape was measured (radian).
         """
-        self.angle, self.last_angle = angle, shape_angle
+        self.angle = angle
         if shape_angle != self.shape_angle:
             self.displace(self.displacement, shape_angle)
-
-    def follow_turn(self) -> None:
-        """A load step is done: the next one measures the gap at the angle that it ended with."""
-        self.last_angle = self.angle
 
     def drive(self, indentation: float) -> None:
         """Bring the obstacle in by a depth; the jump follows with the next ``move``.
@@ -285,6 +283,11 @@ class ContactKinematics(ABC):
         """
         jump = relative - self.motion_at_nodes
         self.jump.x.array[:] = jump.reshape(-1)
+        self._at_points = None
+
+    def _shift_jump(self, by: Array) -> None:
+        """Add to the jump, at all nodes, (nodes, components) (length)."""
+        self.jump.x.array[:] += by.reshape(-1)
         self._at_points = None
 
     def jump_at_points(self) -> Array:
@@ -328,12 +331,25 @@ class ContactKinematics(ABC):
     @property
     def motion_at_points(self) -> Array:
         """How far the obstacle has moved at the contact points, (points, components) (length)."""
-        return self.field(self.motion)
+        return self.field(self.motion) + self.trace.at_points(self.beyond_shape)
 
     @property
     def motion_at_nodes(self) -> Array:
         """The same at all nodes of the surface, (nodes, components) (length)."""
-        return np.asarray(self.translation + self.angle * self.turned_nodes)
+        return np.asarray(self.translation + self.angle * self.turned_nodes + self.beyond_shape)
+
+    @property
+    def beyond_shape(self) -> Array:
+        """What the gap to the shape misses of the present angle, as a motion at all nodes (length).
+
+        In the jump it is a widening of the gap, to first order in the angle.
+        """
+        return (self.angle - self.shape_angle) * self.shape_field
+
+    @property
+    def present_gap(self) -> Array:
+        """The gap with that, before the body moves, (points,) (length)."""
+        return self.gap + self.normal(self.trace.at_points(self.beyond_shape))
 
     @cached_property
     def _turned_by_unit(self) -> Array:

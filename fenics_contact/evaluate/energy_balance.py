@@ -167,7 +167,7 @@ class EnergyBalance:
             # A curved obstacle that moves along the surface pushes the gap before it; and what
             # overlaps as drawn pushes the overlap out in the first step.
             stays = np.isfinite(before.gap) & np.isfinite(kinematics.gap)
-            pushed_in[stays] = before.gap[stays] - kinematics.gap[stays]
+            pushed_in[stays] = before.gap[stays] - kinematics.present_gap[stays]
         pressure = 0.5 * (before.state.contact_pressure + state.contact_pressure)
         return work + float(contact.trace.integral(pressure * pushed_in))
 

@@ -236,7 +236,7 @@ class RigidMotions:
         moved = np.zeros((*size, len(self.floating)))
         for number, one in enumerate(self.floating):
             if one.contact is contact:
-                moved[:, :, number] = -one.field
+                moved[:, :, number] = -one.moved_field
         return moved
 
     def displacement(self, motion: Array) -> Array:

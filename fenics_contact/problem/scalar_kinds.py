@@ -15,6 +15,7 @@ import ufl
 from ufl.core.expr import Expr
 
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
+from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.loads.couplings import face_motions
 from fenics_contact.problem.loads.temperatures import thermal_strains
@@ -76,8 +77,8 @@ class Turn(ContactScalar):
 
     def __init__(self, contact: ContactSurface) -> None:
         kinematics = contact.kinematics
-        super().__init__(contact, kinematics.direction)
         self._lever = kinematics.lever
+        super().__init__(contact, kinematics.direction)
         self._act_by(kinematics.turned_nodes / self._lever)
 
     @property
@@ -89,6 +90,12 @@ class Turn(ContactScalar):
     def start(self) -> float:
         """How far the obstacle has turned (length)."""
         return self.contact.kinematics.angle * self._lever
+
+    @property
+    def moved_field(self) -> Array:
+        """Displacements of the obstacle with it at all nodes, and what widens the gap."""
+        kinematics = self.contact.kinematics
+        return (kinematics.turned_nodes + kinematics.shape_field) / self._lever
 
     @property
     def term(self) -> str:

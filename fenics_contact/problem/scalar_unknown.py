@@ -109,6 +109,7 @@ class ScalarUnknown(ABC):
         field: Displacements by which that force does work in it, at all nodes of the surface,
             (nodes, components); unit vectors along a direction, or those of a rotation.
         along: The same at all dofs of the surface, of all ranks, (dofs,).
+        moved_along: Displacements of the contact's obstacle with it, as jumps have them, likewise.
         prescribes: Displacements that it prescribes; None for none.
         own: Factor of the scalar itself in its equation.
         pushes: Factor of the work of the contact's force in its equation.
@@ -119,6 +120,7 @@ class ScalarUnknown(ABC):
     contact: ContactSurface | None = None
     field: Array = np.zeros((0, 0))
     along: Array = np.zeros(0)
+    moved_along: Array = np.zeros(0)
     prescribes: PrescribedDisplacement | None = None
     own: float = 0.0
     pushes: ClassVar[float] = 0.0
@@ -142,8 +144,13 @@ class ScalarUnknown(ABC):
 
     @property
     def moves_obstacle(self) -> bool:
-        """Whether the contact's obstacle moves by ``field`` with it."""
+        """Whether the contact's obstacle moves with it."""
         return self.drives or self.turns
+
+    @property
+    def moved_field(self) -> Array:
+        """Displacements of the contact's obstacle with it, as jumps have them, at all nodes."""
+        return self.field
 
     @property
     def term(self) -> str | None:
@@ -220,7 +227,9 @@ class ContactScalar(ScalarUnknown):
     def _act_by(self, field: Array) -> None:
         """Take the field in which the contact's force does work; collective."""
         surface, self.field = self.contact.trace.surface, field
-        self.along = gather_rows(surface.comm, field[: surface.owned_nodes]).reshape(-1)
+        owned = slice(surface.owned_nodes)
+        self.along = gather_rows(surface.comm, field[owned]).reshape(-1)
+        self.moved_along = gather_rows(surface.comm, self.moved_field[owned]).reshape(-1)
 
     @property
     def name(self) -> str:

@@ -265,11 +265,6 @@ def that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[Accepted
         InputError: It depends on more than slips of those before.
     """
     last = steps[-1]
-    if len(steps) > 1 and any(contact.gap_follows_steps for contact in problem.contacts):
-        raise InputError(
-            "of: under a moment the gap to an obstacle is measured as it stood at the end of the "
-            "load step before, which has no derivatives; take one step"
-        )
     follows = any(contact.friction.follows_path for contact in problem.contacts)
     follows |= any(unknown.keeps_last for unknown in problem.unknowns)
     if not follows or len(steps) == 1:

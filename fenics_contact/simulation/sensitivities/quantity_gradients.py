@@ -317,13 +317,16 @@ def _work_on_contact(contact: ContactSurface, state: ContactState) -> AnswerGrad
     traction = state.friction_traction.copy()
     if contact.normal.follows_jump:
         traction -= state.contact_pressure[:, None] * contact.trace.normals
-    raised = kinematics.brought_up * kinematics.direction - kinematics.jump_at_points()
+    widened = contact.trace.at_points(kinematics.shape_field)
+    moved = kinematics.jump_at_points() + contact.trace.at_points(kinematics.beyond_shape)
+    raised = kinematics.brought_up * kinematics.direction - moved
     found = AnswerGradient.none(contact).with_traction(contact, weights[:, None] * raised)
     return found.adding(
         jump=-weights[:, None] * traction,
         pressure=kinematics.pressing_interference * weights,
         interference=float(integral(state.contact_pressure)),
         brought_up=float(integral(traction) @ kinematics.direction),
+        angle=-float(np.sum(integral(traction * widened))),
         direction=kinematics.brought_up * integral(traction),
     )
 

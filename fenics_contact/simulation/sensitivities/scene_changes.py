@@ -370,6 +370,8 @@ class SceneChanges:
             return self._of_force(number, contact)
         if name in ("moment", "rotation"):
             return self._of_turn(key, number, rest)
+        if contact.gap_follows_angle and name not in ("indentation", "gap"):
+            raise _refused(key, "the gap follows the angle that a moment finds")
         if name == "indentation":
             driven = contact.paths.drive_factor(self.time)
             motion = driven * kinematics.direction

@@ -80,7 +80,7 @@ class ContactJump:
             if unknown.contact is surface.contact:
                 work[:, column] = -unknown.pushes * unknown.along
                 if unknown.moves_obstacle:
-                    motion[:, column] = -unknown.along
+                    motion[:, column] = -unknown.moved_along
         own, columns = points
         columns = columns + np.where(columns < count, 0, len(unknowns))
         width = sum(sizes) + len(unknowns)

@@ -134,7 +134,7 @@ class AddedTangents:
             places = order[np.searchsorted(surface.dofs, numbers, sorter=order)]
             motion[places] = gather_rows(comm, values[shared])
         elif unknown.moves_obstacle and unknown.contact is surface.contact:
-            motion[:] = -unknown.along
+            motion[:] = -unknown.moved_along
         return motion
 
     def _add_borders(

@@ -365,20 +365,32 @@ def test_derivatives_by_angle_and_moment(key):
         assert found[name][where].discrete == pytest.approx(slope, rel=2e-3, abs=1e-9)
 
 
-def test_derivatives_are_refused_where_the_gap_follows_a_moment():
+def test_numbers_of_a_shape_that_a_moment_turns_have_no_derivatives():
     about = ObstacleRotation(at=(0.5, 2))
-    shape = Obstacle(
-        "cylinder",
-        radius=3,
-        position=(0.5, 1),
-        normal=(0, -1),
-        indentation=0.03,
-        moment=0.1,
-        rotation=about,
-    )
-    study = Study(pressed(shape, 0.3, steps=2), body=box_body((4, 2)))
-    with refused("derivative_of_a_gap_that_follows_a_moment"):
-        study.derivatives(["torque"], ["contact.0.obstacle.moment"])
+    keys = {"position": (0.5, 1), "normal": (0, -1), "indentation": 0.03, "rotation": about}
+    shape = Obstacle("cylinder", radius=3, moment=0.1, **keys)
+    study = Study(pressed(shape), body=box_body((4, 2)))
+    with refused("derivative_by_a_radius_under_a_moment"):
+        study.derivatives(["torque"], ["contact.0.obstacle.radius"])
+
+
+@pytest.mark.parametrize(("at", "steps"), [((0.5, 1.2), 1), ((0.5, 2.0), 1), ((0.5, 2.0), 4)])
+def test_a_moment_turns_a_curved_shape_as_its_angle_does(at, steps):
+    """To first order in the angle, of which the gap is a function: half the angle, a quarter."""
+    about, body = ObstacleRotation(at=at), box_body((16, 4))
+    always = Path(time=(0,), factor=(1,))
+
+    def off(moment):
+        keys = {"position": (0.5, 1), "normal": (0, -1), "indentation": 0.03, "path": always}
+        shape = Obstacle("cylinder", radius=2, moment=moment, rotation=about, **keys)
+        by_moment = run(pressed(shape, steps=steps), body=body)
+        assert by_moment.passed, by_moment.verdict
+        turned = angled(about, by_moment.quantities["obstacle_rotation"])
+        by_angle = run(pressed(Obstacle("cylinder", radius=2, rotation=turned, **keys)), body=body)
+        return abs(by_angle.quantities["torque"] / moment - 1)
+
+    assert off(0.15) < 5e-3
+    assert off(0.075) < 0.6 * off(0.15)
 
 
 def test_what_cannot_turn_is_refused():
