@@ -179,6 +179,12 @@ class SnesSolve:
         return self._one_sided or not self.problem.contacts
 
     @property
+    def _is_strained_alone(self) -> bool:
+        """Whether given strains act on bodies without contacts, which may leave no forces."""
+        strained = any(one.is_given for one in self.problem.body_scalars)
+        return strained and not self.problem.contacts
+
+    @property
     def _is_nearly_balanced(self) -> bool:
         """Whether no more is left of the forces than what round-off may make."""
         return len(self.imbalances) > self._before and (
@@ -303,6 +309,8 @@ class SnesSolve:
         if iteration == 0:
             self._first_forces = forces
             self._tiny = _LARGEST_FLOOR * imbalance if self._may_be_moved else 0.0
+            if self._is_strained_alone:  # a step finds it, whatever there is to compare with
+                self._tiny = np.inf
             self._largest = max(self._largest, self._tiny)
         logger.debug("  Newton step %d: force imbalance %.2e of %.3g", iteration, imbalance, forces)
         if not np.isfinite(imbalance) or self._ask_to_stop():

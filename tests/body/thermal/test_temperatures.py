@@ -92,6 +92,22 @@ def test_a_free_block_expands(model, cell, solver):
         assert across == pytest.approx(-E * ALPHA * 100, rel=tolerance)
 
 
+@pytest.mark.parametrize("solver", ["condensed", "full"])
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.499])
+def test_a_free_block_on_soft_springs_has_an_answer(ratio, solver):
+    """All of its forces are round-off, of stresses that it would have if it were held."""
+    made = scene(
+        "3D",
+        Temperature("body", value=120, path=Path(time=(0, 0.5, 1), factor=(0, 1, 0.6))),
+        material=replace(STEEL, poissons_ratio=ratio),
+        support=(Support("x0", stiffness=1e-12 * E),),
+        solver=SolverSettings(solver=solver, errors="none"),
+        discretisation=Discretisation(1),
+    )
+    found = run(made, COMM, block("3D", CELLS["3D"][1]))
+    assert found.passed, found.verdict
+
+
 def _linear(x):
     return 20 + 30 * x[0] - 14 * x[1] + 5 * x[2]
 
