@@ -333,7 +333,8 @@ def _automatic(problem: Problem, free: float) -> SolverChoice:
 def _suits_multigrid(problem: Problem) -> bool:
     """Whether there is multigrid for K: none for a mean stress, none that is sure on the axis."""
     elastic = problem.elastic
-    return problem.spaces.components == 3 and elastic.mixed is None and not elastic.ties
+    joined = elastic.ties or problem.discrete.cut is not None  # of a sector a face follows another
+    return problem.spaces.components == 3 and elastic.mixed is None and not joined
 
 
 # Gives a body that is kept, condensed for a problem, None where it cannot serve; collective.

@@ -24,6 +24,7 @@ from fenics_contact import (
 )
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
+from fenics_contact.solve import solver_choice
 from fenics_contact.verification.boxes import Box, boxes
 from tests.messages import refused
 from tests.problem.rings import ring
@@ -411,3 +412,12 @@ def test_a_hub_that_is_warmer_than_its_shaft(solver):
         for whole in (True, False)
     )
     assert off_at_points(whole, part, "contact_pressure") < 1e-8
+
+
+def test_a_large_sector_has_no_multigrid(monkeypatch):
+    """Whatever its size: multigrid knows of no cut."""
+    monkeypatch.setattr(solver_choice, "_ITERATIVE_FROM", {1: 0, 2: 0})
+    monkeypatch.setattr(solver_choice, "_LARGE_PAIR", 0)
+    mesh = {"dimension": 3, "cells": ((1, 1), (1, 1))}
+    run = sector(mesh, dimension=3, solver="auto")
+    assert solver_choice.choose_solver(run.problem).name == "condensed"
