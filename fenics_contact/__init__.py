@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from fenics_contact.scene.loading.couplings import Coupling, Spring
     from fenics_contact.scene.loading.cycles import Cycles
     from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
+    from fenics_contact.scene.loading.heat import Conductance, Film, Heat
     from fenics_contact.scene.loading.inertia_kinds import Rotation
     from fenics_contact.scene.loading.motion import Motion, MotionModes, Rayleigh
     from fenics_contact.scene.loading.support_axes import SupportAxes
@@ -86,6 +87,7 @@ __all__ = [
     "Body",
     "Check",
     "ComplianceFriction",
+    "Conductance",
     "Contact",
     "ContactPoints",
     "CoulombFriction",
@@ -100,11 +102,13 @@ __all__ = [
     "FaceRotation",
     "FatigueLimits",
     "FenicsContactError",
+    "Film",
     "Fit",
     "FormulaFriction",
     "Fretting",
     "Group",
     "HalfSpace",
+    "Heat",
     "InputError",
     "Line",
     "Load",
@@ -188,6 +192,7 @@ _MODULES = {
     "scene.loading.inertia_kinds": ("Rotation",),
     "scene.settings": ("Accuracy", "SolverSettings", "Steps"),
     "scene.loading.cycles": ("Cycles",),
+    "scene.loading.heat": ("Conductance", "Film", "Heat"),
     "analyses.wear_cycles.table": ("CycleJump",),
     "scene.loading.motion": ("Motion", "MotionModes", "Rayleigh"),
     "analyses.derivatives.table": ("DerivativeRequest",),

@@ -7,7 +7,7 @@ computed from it holds for any laws, coefficients, obstacles, loads, values and 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -111,6 +111,7 @@ class HeatedGroup:
         axes: Expansion along each axis over the largest; empty where the material has none.
         field: Where it varies in space, the temperature as the scene gives it, without its path.
         reference: At which such a field expands nothing (temperature).
+        is_found: Whether its temperature is found, by conduction.
     """
 
     table: int
@@ -119,6 +120,7 @@ class HeatedGroup:
     axes: tuple[float, ...]
     field: Temperature | None = None
     reference: float = 0.0
+    is_found: bool = False
 
 
 @dataclass(frozen=True)
@@ -210,10 +212,13 @@ class BodyDescription:
                 CoupledGroup(each.on, each.at, each.label, each.is_rigid) for each in scene.coupling
             ),
             joints=tuple(_joint(each, scene) for each in scene.spring),
-            heated=tuple(
-                _heated(scene, table, material)
-                for table in range(len(scene.temperature))
-                for material in range(len(scene.material))
+            heated=(
+                *(
+                    _heated(scene, table, material)
+                    for table in range(len(scene.temperature))
+                    for material in range(len(scene.material))
+                ),
+                *_heated_by_conduction(scene),
             ),
             cyclic_symmetry=scene.cyclic_symmetry,
         )
@@ -227,7 +232,11 @@ class BodyDescription:
 def _elastic(material: Material) -> Material:
     """A material without what is no part of a stiffness."""
     return dataclasses.replace(
-        material, density=None, thermal_expansion=None, reference_temperature=0.0
+        material,
+        density=None,
+        thermal_expansion=None,
+        reference_temperature=0.0,
+        conductivity=None,
     )
 
 
@@ -239,6 +248,15 @@ def _heated(scene: Scene, table: int, number: int) -> HeatedGroup:
         return HeatedGroup(table, given.on, number, axes)
     field = dataclasses.replace(given, on="", path=RAMP)
     return HeatedGroup(table, given.on, number, axes, field, material.reference_temperature)
+
+
+def _heated_by_conduction(scene: Scene) -> Iterator[HeatedGroup]:
+    """Cells of materials that expand, where heat flows."""
+    for number, material in enumerate(scene.material if scene.heat else ()):
+        found = expansions(material)
+        if found is not None and found[0] != 0:
+            reference = material.reference_temperature
+            yield HeatedGroup(0, "", number, found[1], None, reference, is_found=True)
 
 
 def _joint(spring: Spring, scene: Scene) -> Joint:

@@ -196,6 +196,26 @@ class ElasticBody:
         """Parts with a strain that is free of stress."""
         return [*self.preloaded, *self.heated]
 
+    def follow_temperature(self, rise: Array) -> None:
+        """Take a temperature that was found; collective.
+
+        Args:
+            rise: Less the reference, at the nodes of this rank, (nodes,) (temperature).
+        """
+        first = len(self.preloaded)
+        for number, part in enumerate(self.heated, first):
+            if part.described.is_found:
+                part.follow(rise)
+                forces = self._forces_of(part)
+                self.scalar_forces[number] = forces
+                self.scalar_stiffness[number, number] = forces.stiffness
+
+    @property
+    def forces_of_heated(self) -> list[ScalarForces]:
+        """What a unit of the expansion of each heated part does to the body."""
+        first = len(self.preloaded)
+        return self.scalar_forces[first : first + len(self.heated)]
+
     @property
     def has_free_strains(self) -> bool:
         """Whether parts have a strain that is free of stress."""

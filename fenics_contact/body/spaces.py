@@ -199,12 +199,12 @@ class Spaces:
             function = fem.Function(self.displacement_space)
             function.x.array.reshape(-1, self.components)[nodes] = values
             return function
-        space, scalar_of_node = self._scalar_space()
+        space, scalar_of_node = self.scalar_space()
         function = fem.Function(space)
         function.x.array[scalar_of_node[nodes]] = values
         return function
 
-    def _scalar_space(self) -> tuple[fem.FunctionSpace, Integers]:
+    def scalar_space(self) -> tuple[fem.FunctionSpace, Integers]:
         """The space of one component, and its dof at every node."""
         if self._scalar is None:
             space = fem.functionspace(self.body.mesh, ("Lagrange", self.degree))

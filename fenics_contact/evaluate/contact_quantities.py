@@ -269,8 +269,16 @@ def _motion(answer: ContactAnswer) -> Mapping[str, Any]:
     return found
 
 
+def _heat(answer: ContactAnswer) -> Mapping[str, Any]:
+    """Heat into the body of ``on``, of a contact that conducts; collective."""
+    if answer.contact.contact.conductance is None or answer.problem.conduction is None:
+        return {}
+    flows = answer.problem.conduction.flows(answer.solution.states)
+    return {names.HEAT_FLOW: flows[answer.number]}
+
+
 _EVALUATORS: tuple[Evaluator, ...] = (
     *(_resultants, _peak_pressure, _areas, _penetration, _slip, _energies, _wear),
-    *(_stored_along, _moments, _undecided, _of_two_bodies, _motion),
+    *(_stored_along, _moments, _undecided, _of_two_bodies, _motion, _heat),
 )
 _REGISTERED: dict[str, Callable[[ContactAnswer], float]] = {}

@@ -110,10 +110,11 @@ class EnergyBalance:
             "pressures": _with_turns(first.pressures),
             "frictions": np.zeros_like(motions),
             "motions": motions,
-            "scalars": np.array(first.scalars or [(0.0, 0.0)] * len(problem.body_scalars)).reshape(
-                -1, 2
-            ),
+            "scalars": np.array(
+                first.scalars or [(0.0, one.at_begin) for one in problem.body_scalars]
+            ).reshape(-1, 2),
         }
+        self._on_scalars = [one.forces_on_body for one in problem.body_scalars]
         self._overlaps: list[Array | float] = list(first.overlaps)
         self._first = inertia.energy
 
@@ -127,6 +128,7 @@ class EnergyBalance:
         done += [self._work_of_obstacle(i, solution) for i in range(len(problem.contacts))]
         motions = last["motions"] - motions
         done += self._works_on_scalars(solution)
+        done += self._works_of_temperatures(forces)
         self.work += float(sum(done))
         self.done += float(np.abs(done).sum())
         farthest = largest(problem.comm, np.abs(moved[: problem.spaces.owned_nodes]))
@@ -185,6 +187,25 @@ class EnergyBalance:
         pairs = zip(self._problem.body_scalars, solution.scalars, strict=True)
         energies = (one.forces_on_body.stiffness * state.value**2 for one, state in pairs)
         return _OF_ENERGIES * sum(map(abs, energies))
+
+    def _works_of_temperatures(self, forces: InternalForces) -> list[float]:
+        """−∫ σ : dε of strains free of stress that temperatures have changed in a step; collective.
+
+        By the trapezoidal rule, with what a unit of a scalar does to the body before and after:
+        its forces c and stiffness D, ½ q (c' − c) · (u + u') + ½ q² (D' − D).
+        """
+        before, last = self._place_before(self._before), self._on_scalars
+        now = [one.forces_on_body for one in self._problem.body_scalars]
+        self._on_scalars = now
+        own, works = slice(self._problem.spaces.owned_nodes), []
+        for old, new, state in zip(last, now, forces.solution.scalars, strict=True):
+            if old is new:
+                continue
+            moved = np.asarray(before + forces.displacement)[own]
+            done = float(total(self._problem.comm, np.sum((new.nodal - old.nodal)[own] * moved)))
+            stored = state.value * (new.stiffness - old.stiffness)
+            works.append(0.5 * state.value * (done + stored))
+        return works
 
     @property
     def sums(self) -> list[float]:

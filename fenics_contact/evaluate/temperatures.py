@@ -31,7 +31,7 @@ class TemperaturesAt:
         self._reference = references[material_of_cells(problem)[cells]]
         self._parts: list[tuple[ThermalStrain, Integers, Array]] = []
         for strain in problem.body_scalars:
-            if isinstance(strain, ThermalStrain):
+            if isinstance(strain, ThermalStrain) and not strain.part.described.is_found:
                 inside = np.flatnonzero(np.isin(cells, strain.part.cells))
                 given = strain.part.temperatures(problem.scene.temperature, places[inside])
                 self._parts.append((strain, inside, given))
@@ -47,7 +47,8 @@ class TemperaturesAt:
 class TemperaturesInBody:
     """Temperatures at places anywhere in the body; collective.
 
-    On a face between cells of two materials it is their mean.
+    Those that conduction has found are interpolated between the nodes. On a face between cells of
+    two materials it is their mean.
 
     Args:
         problem: The model.
@@ -57,12 +58,17 @@ class TemperaturesInBody:
     def __init__(self, problem: Problem, places: Array) -> None:
         self._comm, self._found = problem.comm, PlacesInBody(places, problem.spaces)
         self._count = len(places)
+        self._problem = problem
         self._at = TemperaturesAt(problem, places[self._found.numbers], self._found.cells)
 
     def values(self) -> Array:
         """Present temperatures, (places,), 0 outside of the body; collective (temperature)."""
-        summed = np.zeros((self._count, 2))
-        np.add.at(summed[:, 0], self._found.numbers, self._at.values())
+        summed, values = np.zeros((self._count, 2)), self._at.values()
+        if self._problem.conduction is not None:
+            nodes = self._problem.spaces.displacement_space.dofmap.list[self._found.cells]
+            rise = self._problem.conduction.rise[nodes]
+            values = values + np.einsum("pn,pn->p", self._found.weights, rise)
+        np.add.at(summed[:, 0], self._found.numbers, values)
         np.add.at(summed[:, 1], self._found.numbers, 1.0)
         values, counts = total(self._comm, summed).T
         return np.asarray(values / np.maximum(counts, 1.0))
@@ -72,6 +78,7 @@ class NodalTemperatures:
     """Temperatures at the nodes of a body, the mean of the cells around each; collective."""
 
     def __init__(self, problem: Problem) -> None:
+        self._problem = problem
         self._spaces = spaces = problem.spaces
         mesh = problem.body.mesh
         own = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local)
@@ -84,11 +91,20 @@ class NodalTemperatures:
         found, count = self._at.values(), len(self._spaces.coordinates)
         columns = [np.bincount(self._nodes, each, count) for each in (found, np.ones(len(found)))]
         summed, cells = self._spaces.summed(np.stack(columns, axis=1)).T
-        return np.asarray(summed / np.maximum(cells, 1.0))
+        return np.asarray(summed / np.maximum(cells, 1.0)) + self._rise
+
+    @property
+    def _rise(self) -> Array | float:
+        """What conduction has found beyond the reference, at the nodes (temperature)."""
+        conduction = self._problem.conduction
+        return 0.0 if conduction is None else conduction.rise
 
     def highest(self) -> float:
         """The highest temperature of any cell at its nodes; collective (temperature)."""
-        return largest(self._spaces.comm, self._at.values())
+        at_cells, rise = self._at.values(), self._rise
+        if isinstance(rise, np.ndarray):
+            at_cells = at_cells + rise[self._nodes]
+        return largest(self._spaces.comm, at_cells)
 
 
 class ModelTemperatures:

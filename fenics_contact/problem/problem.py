@@ -21,6 +21,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.mesh.tagged_mesh import Body, Group
+from fenics_contact.problem.conduction.conduction import Conduction
 from fenics_contact.problem.discrete_body import DiscreteBody
 from fenics_contact.problem.far_field import FarField
 from fenics_contact.problem.inertia import AtRest, Inertia, with_time_step
@@ -28,6 +29,7 @@ from fenics_contact.problem.loads import given_loads
 from fenics_contact.problem.loads.acting_load import LoadSite
 from fenics_contact.problem.loads.disturbance import Disturbance, Drive
 from fenics_contact.problem.loads.spring_feet import SpringFeet
+from fenics_contact.problem.loads.temperatures import ThermalStrain
 from fenics_contact.problem.moving import MovingInertia
 from fenics_contact.problem.scalar_kinds import scalars_of
 from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
@@ -61,6 +63,7 @@ class Problem:
         inertia: Masses, and what a step of motion begins from; of bodies at rest there are none.
         far_field: The outer boundary of a half-space, or None.
         points: Where the displacement is a quantity.
+        conduction: Of heat, which finds the temperatures; None where the scene has no heat.
         loads: Those of the scene that are not zero.
         feet: Of the springs of elastic supports.
         load_site: The body that they act on.
@@ -116,6 +119,7 @@ class Problem:
             self.points = discrete.once(
                 f"points {scene.point}", partial(DisplacementPoints, scene.point, self.spaces)
             )
+            self.conduction = Conduction(scene, self.spaces, self.contacts) if scene.heat else None
             self.load_site = LoadSite(discrete, scene.material)
             self.loads = given_loads(scene.load, self.load_site)
             for one in self.body_scalars:
@@ -386,6 +390,15 @@ class Problem:
         """Sizes of the forces at the nodes that an imbalance is small against (force)."""
         others = self.inertia.applied(self.load - self.feet.load, self.given_load)
         return others + self.feet.applied
+
+    def follow_temperature(self) -> None:
+        """Expand as the temperatures that conduction has found say; collective."""
+        if self.conduction is None:
+            return
+        self.elastic.follow_temperature(self.conduction.rise)
+        strains = [one for one in self.body_scalars if isinstance(one, ThermalStrain)]
+        for strain, forces in zip(strains, self.elastic.forces_of_heated, strict=True):
+            strain.follow_forces(forces)
 
     def stick_all(self) -> None:
         """Take every contact point to stick, for a solve to begin with."""

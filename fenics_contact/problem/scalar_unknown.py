@@ -328,6 +328,11 @@ class BodyScalar(ScalarUnknown):
         return None
 
     @property
+    def at_begin(self) -> float:
+        """Its value before anything acts (length)."""
+        return 0.0
+
+    @property
     def brings(self) -> float:
         """How far it may bring nodes at present, where its value is held (length)."""
         return abs(self.held) if self.moved is not None and self.held else 0.0

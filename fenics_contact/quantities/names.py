@@ -44,6 +44,7 @@ SLIP_FACTOR = "slip_factor"
 UNDECIDED_POINTS = "undecided_points"
 SLIP_SINCE_PAIRING = "slip_since_pairing"
 CLOSED_GAP = "closed_gap"
+HEAT_FLOW = "heat_flow"
 #: Begins the name of the displacement of a ``[[point]]``.
 OF_POINTS = "displacement_"
 #: Begins the names of the components of the stress there.

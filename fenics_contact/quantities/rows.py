@@ -350,6 +350,14 @@ ROWS = (
         singular=Singular.RESULTANT,
     ),
     Quantity(
+        names.HEAT_FLOW,
+        "power",
+        "that crosses a contact with a `conductance` into the body of `on`",
+        together=Together.OF_THE_ONE,
+        is_of_some=True,
+        has_true_value=False,
+    ),
+    Quantity(
         names.OBSTACLE_DISPLACEMENT,
         "length",
         "how far an obstacle has been moved besides, a vector, where the scene moves it",

@@ -86,6 +86,11 @@ WORDS: Mapping[str, CheckWords] = {
         "friction; over these and the body's mean stress.",
         "the stress in the body carries {share} more or less than the contact",
     ),
+    "heat_balance": CheckWords(
+        "Heat that a body takes in at its boundaries and across its contacts, as their pressures "
+        "say, and does not give; over all heat.",
+        "a body takes in {share} more heat than it gives, or less",
+    ),
     "unseen_contact": CheckWords(
         "How deep what stands opposite sinks into the surface between two contact points; over "
         "itself and what the peak pressure closes from one point to the next or, where that is "

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from fenics_contact.scene.units.dimensions import (
+    CONDUCTIVITY,
     DENSITY,
     EXPANSION,
     LENGTH,
@@ -217,6 +218,11 @@ class Material:
     reference_temperature: Annotated[
         Number, TEMPERATURE, Field(description="at which it has the size that is meshed")
     ] = 0.0
+    conductivity: Annotated[
+        Positive | None,
+        CONDUCTIVITY,
+        Field(description="of heat; needed where a scene has `[[heat]]`"),
+    ] = None
 
     def __post_init__(self) -> None:
         isotropic = (self.youngs_modulus, self.poissons_ratio)

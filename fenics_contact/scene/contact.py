@@ -10,9 +10,11 @@ from pydantic import Field
 from fenics_contact.scene.given_keys import FREE_AT_RESUME
 from fenics_contact.scene.laws.friction_laws import AnyFrictionLaw
 from fenics_contact.scene.laws.law_tables import NORMAL_LAWS, AnyNormalLaw, kinds_of
+from fenics_contact.scene.loading.heat import Conductance
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.units.dimensions import (
     COMPLIANCE,
+    CONDUCTANCE,
     LENGTH,
     PER_STRESS,
     PLACE,
@@ -195,6 +197,15 @@ class Contact:
         Field(
             description="point that the moments of the contact are about; by default the centroid "
             "of `on`; in plane models the quantity `torque` needs it"
+        ),
+    ] = None
+    conductance: Annotated[
+        Annotated[Number, Field(ge=0)] | Conductance | None,
+        CONDUCTANCE,
+        Field(
+            description="between two bodies, in scenes with `[[heat]]`: heat flow over area and "
+            "difference of temperature where they touch, a number or `{ pressures, values }`; by "
+            "default no heat crosses"
         ),
     ] = None
 

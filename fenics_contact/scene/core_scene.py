@@ -9,6 +9,7 @@ from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.loading.conditions import Load, Point, Preload
 from fenics_contact.scene.loading.couplings import Coupling, Spring
 from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
+from fenics_contact.scene.loading.heat import Heat
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.loading.temperatures import Temperature
@@ -55,6 +56,7 @@ class CoreScene(HasUnits):
     cycles: LoadCycles | None
     motion: Motion | None
     temperature: tuple[Temperature, ...]
+    heat: tuple[Heat, ...]
     solver: SolverSettings
     cyclic_symmetry: CyclicSymmetry | None
 
@@ -70,6 +72,11 @@ class CoreScene(HasUnits):
     def dimension(self) -> int:
         """Number of displacement components, 3 in 3D, else 2."""
         return 3 if self.kinematics == "3D" else 2
+
+    @property
+    def has_temperatures(self) -> bool:
+        """Whether temperatures are given, or found by conduction."""
+        return bool(self.temperature or self.heat)
 
     @property
     def is_per_unit_thickness(self) -> bool:

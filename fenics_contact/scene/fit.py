@@ -38,6 +38,7 @@ def require_fit(scene: CoreScene) -> None:
     _require_distinct("contacts", [contact.label for contact in scene.contact])
     _require_distinct("preloads", [preload.label for preload in scene.preload])
     _require_couplings(scene)
+    _require_heat(scene)
     _require_known(scene)
     require_cycles(scene)
     _require_motion(scene)
@@ -137,6 +138,45 @@ def _require_turn(scene: CoreScene, contact: Contact, key: str) -> None:
             f"{key}: on a half_space no obstacle turns yet, as its far field is that of forces, "
             "not of moments; leave one of the two out"
         )
+
+
+def _require_heat(scene: CoreScene) -> None:
+    """Refuse what has no meaning, or cannot be had yet, where heat flows.
+
+    Raises:
+        ValueError: In words.
+    """
+    if not scene.heat:
+        for number, contact in enumerate(scene.contact):
+            if contact.conductance is not None:
+                raise ValueError(f"contact[{number}].conductance: nothing flows; give [[heat]]")
+        return
+    others = {
+        "temperature": bool(scene.temperature),
+        "coupling": bool(scene.coupling),
+        "half_space": scene.half_space is not None,
+        "cyclic_symmetry": scene.cyclic_symmetry is not None,
+        "accuracy": scene.accuracy is not None,
+        **dict.fromkeys(registry.tables_not_with(scene, "heat"), True),
+    }
+    for key, is_there in others.items():
+        if is_there:
+            raise ValueError(f"heat: not beside {key} yet; leave one of the two out")
+    if scene.solver.solver not in ("auto", "condensed"):
+        raise ValueError(
+            f"heat: it is found by 'condensed', not by solver.solver = '{scene.solver.solver}'"
+        )
+    if len({material.reference_temperature for material in scene.material}) > 1:
+        raise ValueError("heat: all materials need one reference_temperature")
+    for number, material in enumerate(scene.material):
+        if material.conductivity is None:
+            key = f"material[{number}]" if len(scene.material) > 1 else "material"
+            raise ValueError(f"{key}.conductivity is missing: heat flows")
+    for number, contact in enumerate(scene.contact):
+        if contact.conductance is not None and contact.against is None:
+            raise ValueError(
+                f"contact[{number}].conductance: heat crosses between two bodies; give against"
+            )
 
 
 def _require_couplings(scene: CoreScene) -> None:
@@ -287,6 +327,7 @@ def _require_motion(scene: CoreScene) -> None:
         "solver.branches": scene.solver.branches,
         "solver.stabilisation": scene.solver.stabilisation,
         "temperature": bool(scene.temperature),
+        "heat": bool(scene.heat),
         **dict.fromkeys(_springs(scene), True),
     }
     for key, is_there in others.items():

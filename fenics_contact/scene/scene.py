@@ -28,6 +28,7 @@ from fenics_contact.scene.loading.conditions import Load, Point, Preload
 from fenics_contact.scene.loading.couplings import Coupling, Spring
 from fenics_contact.scene.loading.cycles import Cycles
 from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
+from fenics_contact.scene.loading.heat import Heat
 from fenics_contact.scene.loading.load_paths import load_steps_of
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.loading.supports import Support
@@ -240,6 +241,13 @@ class Scene(CoreScene):
             "those of the sector"
         ),
     ] = None
+    heat: Annotated[
+        tuple[Heat, ...],
+        Field(
+            description=f"of boundaries, up to {_MOST}: temperatures are then found by conduction",
+            max_length=_MOST,
+        ),
+    ] = ()
 
     def use_units(self) -> None:
         """Put numbers where there are texts with a unit, and values of materials by name."""

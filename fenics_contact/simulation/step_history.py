@@ -260,7 +260,7 @@ class StepHistory(Generic[_Forces]):
     @cached_property
     def _temperatures(self) -> ModelTemperatures | None:
         """Temperatures of the model, where the scene gives such; collective when first asked."""
-        return ModelTemperatures(self._problem) if self._problem.scene.temperature else None
+        return ModelTemperatures(self._problem) if self._problem.scene.has_temperatures else None
 
     def _of_contact(self, solution: Solution, number: int) -> dict[str, Any]:
         """Quantities of a contact, by its number in scene order; collective."""

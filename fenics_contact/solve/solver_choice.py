@@ -241,6 +241,9 @@ def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
     if wanted == "auto" and points_hold:
         reason = "a coupling in the mean is all that holds a motion of the body"
         choice = SolverChoice("full", reason, memory_estimate(problem, "full"))
+    elif wanted == "auto" and problem.conduction is not None:
+        reason = "temperatures are found together with contact pressures"
+        choice = SolverChoice("condensed", reason, memory_estimate(problem, "condensed"))
     elif wanted == "auto":
         choice = _of_kept_body(problem) if is_kept else _automatic(problem, free)
     else:

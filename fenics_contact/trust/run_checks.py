@@ -31,6 +31,7 @@ from fenics_contact.trust.friction_checks import (
     outer_loop,
     slip_limit,
 )
+from fenics_contact.trust.heat_checks import heat_balance
 from fenics_contact.trust.normal_checks import (
     ComparedPressures,
     compared_pressures,
@@ -121,6 +122,7 @@ OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
     "action_and_reaction": lambda solved: action_and_reaction(solved.forces),
     "boundary_stress": lambda solved: boundary_stress(solved.forces),
     "unseen_contact": lambda solved: unseen_contact(solved.forces),
+    "heat_balance": lambda solved: heat_balance(solved.forces),
     "slip_limit": lambda solved: slip_limit(solved.forces),
 }
 # Then those that laws claim.

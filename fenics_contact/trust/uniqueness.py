@@ -35,6 +35,7 @@ from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.branches import other_solutions
+from fenics_contact.trust.heat_answers import other_temperatures
 from fenics_contact.trust.run_checks import run_checks
 
 # Points at the most; of more, those that touch.
@@ -229,7 +230,22 @@ def search_other_solutions(load_steps: LoadSteps) -> OtherAnswers:
                 without_answer += 1
             else:
                 branches.append(_branch(problem, start, found))
-    return OtherAnswers(limits, branches, without_answer)
+    return OtherAnswers(limits, [*branches, *_of_temperatures(load_steps)], without_answer)
+
+
+def _of_temperatures(load_steps: LoadSteps) -> list[BranchRecord]:
+    """All answers with other temperatures, the known one first; none if it is the only one."""
+    problem, last = load_steps.problem, load_steps.last
+    conduction = problem.conduction
+    is_single = not problem.scene.load_steps.several
+    if conduction is None or not conduction.may_have_several_answers or not is_single or not last:
+        return []
+    found = [
+        _branch(problem, start, solution)
+        for start, solution in other_temperatures(load_steps)
+        if solution is not None
+    ]
+    return [_branch(problem, "as solved", last.solution), *found] if found else []
 
 
 def _branch(problem: Problem, start: str, solution: Solution) -> BranchRecord:

@@ -33,7 +33,7 @@ class StressLinesTask(AnalysisTask):
         self._found: tuple[Solution, AnalysisFinding] | None = None
         every = np.concatenate(places)
         self._stress = StressAtPlaces(problem, every)
-        given = problem.scene.temperature
+        given = problem.scene.has_temperatures
         self._temperatures = TemperaturesInBody(problem, every) if given else None
         for number, inside in enumerate(self._of_lines(self._stress.inside)):
             if not inside.any():

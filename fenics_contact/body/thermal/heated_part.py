@@ -18,7 +18,7 @@ from ufl.core.expr import Expr
 from fenics_contact.body.description import HeatedGroup
 from fenics_contact.body.elasticity import Law
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.body.thermal.temperature_field import projected, temperatures_at
+from fenics_contact.body.thermal.temperature_field import CellProjection, temperatures_at
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.scene.body import Material
@@ -67,7 +67,8 @@ class HeatedPart:
 
     def stressless_strain(self, scalar: Expr) -> Expr:
         """(q/L) T D, (3, 3), inside the part; in plane stress with the thickness it goes with."""
-        field = self._field if self.described.field is not None else 1.0
+        varies = self.described.field is not None or self.described.is_found
+        field = self._field if varies else 1.0
         return scalar / self.spaces.size * field * self._directions
 
     @property
@@ -80,6 +81,18 @@ class HeatedPart:
         """By how much heat alone strains the part across the plane, 0 outside of it."""
         return self.scalar / self.spaces.size * self._field * float(self.described.axes[2])
 
+    def follow(self, rise: Array) -> None:
+        """Take a temperature that was found.
+
+        Args:
+            rise: Less the reference, at the nodes of this rank, (nodes,) (temperature).
+        """
+        self._field.x.array[:] = self._projection.of_nodes(rise).x.array
+
+    @cached_property
+    def _projection(self) -> CellProjection:
+        return CellProjection(self.spaces, self.cells)
+
     @cached_property
     def _field(self) -> fem.Function:
         """T of degree k − 1 in each cell, 0 outside of the part; collective when first asked."""
@@ -88,6 +101,8 @@ class HeatedPart:
             found = self._rise.copy()
             found.x.array[:] /= self.largest_rise or 1.0
             return found
+        if self.described.is_found:
+            return self._projection.of_nodes(np.zeros(len(spaces.coordinates)))
         inside = fem.Function(fem.functionspace(spaces.body.mesh, ("DG", 0)))
         inside.x.array[self.cells] = 1.0
         return inside
@@ -98,8 +113,9 @@ class HeatedPart:
         described = self.described
         if described.field is None:
             return None
-        key = f"temperature[{described.table}]"
-        return projected(described.field, described.reference, key, self.spaces, self.cells)
+        key, places = f"temperature[{described.table}]", self._projection.places
+        given = temperatures_at(described.field, places, key, self.spaces)
+        return self._projection.of_places(given - described.reference)
 
     @cached_property
     def largest_rise(self) -> float:

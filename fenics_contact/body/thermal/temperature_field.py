@@ -14,38 +14,46 @@ from fenics_contact.mesh.readers.field_values import load_field
 from fenics_contact.scene.loading.temperatures import Temperature
 
 
-def projected(
-    given: Temperature, reference: float, key: str, spaces: Spaces, cells: Integers
-) -> fem.Function:
-    """A temperature less the reference, projected to one degree below the displacements'.
+class CellProjection:
+    """Projects fields to one degree below the displacements', cell by cell.
 
-    The projection is that of least squares on the reference cell, so that a polynomial of that
-    degree stays what it is. Collective.
+    By least squares on the reference cell, so that a polynomial of that degree stays what it is.
 
     Args:
-        given: As in the scene.
-        reference: To be taken off (temperature).
-        key: Of the temperature, for messages.
         spaces: Those of the body.
-        cells: Of this rank; in all others it is 0.
-
-    Raises:
-        InputError: On every rank; a function or a file of it fails.
+        cells: Of this rank; in all others fields are 0.
     """
-    mesh, degree = spaces.body.mesh, spaces.degree - 1
-    space = fem.functionspace(mesh, ("DG", degree))
-    points, weights = compat.quadrature_rule(mesh, spaces.bulk_degree)
-    geometry = mesh.ufl_domain().ufl_coordinate_element()
-    corners = mesh.geometry.x[compat.geometry_nodes(mesh)[cells]]
-    shapes = _table(geometry.sub_elements[0], points)
-    places = np.einsum("qn,cnd->cqd", shapes, corners)
-    found = temperatures_at(given, places.reshape(-1, 3), key, spaces) - reference
-    table = _table(space.ufl_element(), points)
-    weighted = table.T * weights
-    values = np.linalg.solve(weighted @ table, weighted @ found.reshape(len(cells), len(points)).T)
-    function = fem.Function(space)
-    function.x.array[space.dofmap.list[cells]] = values.T
-    return function
+
+    def __init__(self, spaces: Spaces, cells: Integers) -> None:
+        mesh = spaces.body.mesh
+        self._spaces, self._cells = spaces, cells
+        self._space = fem.functionspace(mesh, ("DG", spaces.degree - 1))
+        self._points, weights = compat.quadrature_rule(mesh, spaces.bulk_degree)
+        table = _table(self._space.ufl_element(), self._points)
+        weighted = table.T * weights
+        self._onto = np.linalg.solve(weighted @ table, weighted)
+
+    @property
+    def places(self) -> Array:
+        """Where fields are asked for, (places, 3) (length)."""
+        mesh = self._spaces.body.mesh
+        geometry = mesh.ufl_domain().ufl_coordinate_element().sub_elements[0]
+        corners = mesh.geometry.x[compat.geometry_nodes(mesh)[self._cells]]
+        shapes = _table(geometry, self._points)
+        return np.asarray(np.einsum("qn,cnd->cqd", shapes, corners).reshape(-1, 3))
+
+    def of_places(self, values: Array) -> fem.Function:
+        """The projection of values at ``places``."""
+        found = values.reshape(len(self._cells), len(self._points))
+        function = fem.Function(self._space)
+        function.x.array[self._space.dofmap.list[self._cells]] = found @ self._onto.T
+        return function
+
+    def of_nodes(self, nodal: Array) -> fem.Function:
+        """The projection of a field by its values at the nodes of the displacements, (nodes,)."""
+        space = self._spaces.displacement_space
+        table = _table(space.ufl_element().sub_elements[0], self._points)
+        return self.of_places(nodal[space.dofmap.list[self._cells]] @ table.T)
 
 
 def temperatures_at(given: Temperature, places: Array, key: str, spaces: Spaces) -> Array:

@@ -181,6 +181,10 @@ class Pairing:
         """P of the whole surfaces, on every rank: for solvers that write it out; collective."""
         return self._present.whole
 
+    def whole_integrals(self) -> MortarIntegrals:
+        """The mortar integrals of the whole surfaces, on every rank; collective."""
+        return self._present.rows.whole_integrals()
+
     def whole_faced(self) -> Flags:
         """``faced`` of all nodes of the slave, on every rank; collective."""
         return self._slave.surface.gathered(self.faced)

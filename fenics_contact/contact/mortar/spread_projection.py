@@ -48,16 +48,20 @@ class SlaveRows:
     used: Flags
     rim: RimAcrossCut | None = None
 
-    def gathered(self) -> Projection:
+    def gathered(self) -> Projection | FoldedProjection:
         """P of the whole surfaces, on every rank; collective."""
-        mass = self._whole(self.integrals.mass.tocoo(), self.slave.numbers, self.slave)
-        columns = np.arange(self.integrals.coupling.shape[1])
-        coupling = self._whole(self.integrals.coupling.tocoo(), columns, self.master)
-        integrals = MortarIntegrals(mass, coupling, np.zeros(0))
+        integrals = self.whole_integrals()
         fixed, used = self.slave.gathered(self.fixed), self.slave.gathered(self.used)
         if self.rim is not None:
             return FoldedProjection(integrals, fixed, used, self.rim)
         return Projection.between(integrals, fixed, used)
+
+    def whole_integrals(self) -> MortarIntegrals:
+        """Those of the whole surfaces, without shares of facets, on every rank; collective."""
+        mass = self._whole(self.integrals.mass.tocoo(), self.slave.numbers, self.slave)
+        columns = np.arange(self.integrals.coupling.shape[1])
+        coupling = self._whole(self.integrals.coupling.tocoo(), columns, self.master)
+        return MortarIntegrals(mass, coupling, np.zeros(0))
 
     def on_ranks(self) -> SpreadProjection | FoldedOnRanks:
         """P at the nodes of each rank; collective."""

@@ -20,6 +20,7 @@ from fenics_contact.common.arrays import Array, Flags, Integers, Kind
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.surface.facets import NodalNormals, SurfacePieces
 from fenics_contact.contact.surface.point_rule import (
+    AT_CENTRE,
     SEVEN_POINTS,
     FacetCentres,
     TraceFunction,
@@ -198,6 +199,21 @@ class Trace:
         if self._centres is not None:
             found += self._centres.collected(values[len(self.nodes) :])
         return found
+
+    @property
+    def point_rows(self) -> tuple[Integers, Integers, Array]:
+        """Rows of ``at_points`` as a matrix: points, nodes of the surface, and shares of these."""
+        points = np.arange(len(self.nodes))
+        rows, columns, shares = points, self.numbers, np.ones(len(points))
+        if self._centres is None:
+            return rows, columns, shares
+        nodes = self._centres.nodes
+        centres = len(points) + np.repeat(np.arange(len(nodes)), nodes.shape[1])
+        return (
+            np.concatenate([rows, centres]),
+            np.concatenate([columns, nodes.ravel()]),
+            np.concatenate([shares, np.tile(AT_CENTRE, len(nodes))]),
+        )
 
     def to_nodes(self, values: Array) -> Array:
         """Σ |N_i| × values over the points, at ``nodes``: what points give to nodes at most."""

@@ -8,9 +8,10 @@ from ufl.core.expr import Expr
 from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.body.thermal.heated_part import HeatedPart
 from fenics_contact.problem.scalar_unknown import BodyScalar, KnownProblem, ScalarUnknown
+from fenics_contact.scene.body import Material
 from fenics_contact.scene.loading.load_paths import KeyedPath
-from fenics_contact.scene.loading.temperatures import expansions
-from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.loading.temperatures import Temperature, expansions
+from fenics_contact.scene.values import CONSTANT
 
 
 class ThermalStrain(BodyScalar):
@@ -21,34 +22,41 @@ class ThermalStrain(BodyScalar):
     what a unit of q does to the body.
 
     Attributes:
+        part: The cells that it heats.
         table: Number of the temperature in the scene.
         material: Number of the material.
-        part: The cells that it heats.
         factor: Of the path, at present.
 
     Args:
-        scene: With the temperature, and the material whose α it is.
         part: The cells that it heats.
         forces: What a unit of it does to the body.
+        material: The material of the cells.
+        given: The temperature of the scene; None where it is found by conduction.
+        words: Behind its name in results, to tell materials apart.
     """
 
     has_slack = False
 
-    def __init__(self, scene: Scene, part: HeatedPart, forces: ScalarForces) -> None:
-        described = part.described
-        self.table, self.material = described.table, described.material
-        given, material = scene.temperature[self.table], scene.material[self.material]
-        several = f" in material {self.material}" if len(scene.material) > 1 else ""
-        super().__init__(f"{given.label}{several}", forces)
-        self.part = part
-        self._path = KeyedPath(given.path, f"temperature[{self.table}].path")
+    def __init__(
+        self,
+        part: HeatedPart,
+        forces: ScalarForces,
+        material: Material,
+        given: Temperature | None,
+        words: str,
+    ) -> None:
+        self.part, self.table, self.material = part, part.described.table, part.described.material
+        label = "temperature by conduction" if given is None else given.label
+        super().__init__(f"{label}{words}", forces)
+        path = CONSTANT if given is None else given.path
+        self._path = KeyedPath(path, f"temperature[{self.table}].path")
         found = expansions(material)
         assert found is not None
         self._per_degree = found[0] * part.spaces.size
-        self._rise = part.largest_rise
-        if isinstance(given.value, float | int):
+        self._rise, self._is_uniform = part.largest_rise, False
+        if given is not None and isinstance(given.value, float | int):
             self._rise = given.value - material.reference_temperature
-        self._is_uniform = given.is_uniform
+            self._is_uniform = True
         self._is_even = not isinstance(material.thermal_expansion, tuple)
         self.factor = 0.0
 
@@ -88,6 +96,11 @@ class ThermalStrain(BodyScalar):
         return False
 
     @property
+    def at_begin(self) -> float:
+        """Its value before anything acts; where a temperature is found the field grows, not it."""
+        return self.held if self.part.described.is_found else 0.0
+
+    @property
     def brings(self) -> float:
         """How far it may bring nodes at present, as a part expands (length)."""
         return abs(self.held)
@@ -122,6 +135,14 @@ class ThermalStrain(BodyScalar):
             return signs[name] * self._per_degree * factor
         return None
 
+    def follow_forces(self, forces: ScalarForces) -> None:
+        """Take what a unit of it does to the body, as the temperature that was found has changed.
+
+        Args:
+            forces: With the same present value.
+        """
+        self._forces = forces
+
     def force_of(self, stress: Expr) -> Expr:
         """∂W/∂q of a stress, −∫ σ : (its strain free of stress for a unit), weighted."""
         strain = self.part.stressless_strain(ufl.as_ufl(-1.0))
@@ -130,10 +151,12 @@ class ThermalStrain(BodyScalar):
 
 def thermal_strains(problem: KnownProblem) -> list[ScalarUnknown]:
     """One for each part of the body that has a temperature."""
-    elastic = problem.elastic
-    first = len(elastic.preloaded)
-    forces = elastic.scalar_forces[first : first + len(elastic.heated)]
-    return [
-        ThermalStrain(problem.scene, part, found)
-        for part, found in zip(elastic.heated, forces, strict=True)
-    ]
+    elastic, scene, found = problem.elastic, problem.scene, list[ScalarUnknown]()
+    several = len(scene.material) > 1
+    for part, forces in zip(elastic.heated, elastic.forces_of_heated, strict=True):
+        described = part.described
+        given = None if described.is_found else scene.temperature[described.table]
+        words = f" in material {described.material}" if several else ""
+        material = scene.material[described.material]
+        found.append(ThermalStrain(part, forces, material, given, words))
+    return found

@@ -71,6 +71,8 @@ def keyed_paths(scene: CoreScene) -> Iterator[KeyedPath]:
         yield KeyedPath(coupling.path, f"coupling[{number}].path", acts)
     for number, temperature in enumerate(scene.temperature):
         yield KeyedPath(temperature.path, f"temperature[{number}].path")
+    for number, heat in enumerate(scene.heat):
+        yield KeyedPath(heat.path, f"heat[{number}].path")
     for number, contact in enumerate(scene.contact):
         key = f"contact[{number}]"
         yield KeyedPath(contact.pressure_path, f"{key}.pressure_path")

@@ -60,6 +60,14 @@ class UnitNames:
             return f"{self.force}·s²/{self.length}{'' if words == 'mass' else '⁴'}"
         if words == "cycles/time":
             return "Hz"
+        if words == "power":
+            return f"{self.energy}/s"
+        if words.startswith("power/"):
+            units = {"area": f"{self.length}²", "length": self.length}
+            below = words.removeprefix("power/")
+            for measured, unit in {**units, "temperature": self.temperature}.items():
+                below = below.replace(measured, unit)
+            return f"{self.energy}/s/{below}"
         over, slash, under = words.partition("/")
         power = {"area": "²", "volume": "³", "length^m": "^m"}
         named = {"length": self.length, "force": self.force}
@@ -75,7 +83,7 @@ class UnitNames:
 
 
 # What models of unit thickness have per length; and what they have in place of areas and volumes.
-_RESULTANTS = ("force", "energy", "impulse", "force·length")
+_RESULTANTS = ("force", "energy", "impulse", "force·length", "power")
 _PER_THICKNESS = {"area": "length", "volume": "area"}
 
 
@@ -193,6 +201,9 @@ TIME = Dimension("time", 0, 0, 1)
 RATE = Dimension("1/time", 0, 0, -1)
 TEMPERATURE = Dimension("temperature", 0, temperature=1)
 EXPANSION = Dimension("1/temperature", 0, temperature=-1)
+CONDUCTIVITY = Dimension("power/(length·temperature)", 0, 1, -1, temperature=-1)
+CONDUCTANCE = Dimension("power/(area·temperature)", -1, 1, -1, temperature=-1)
+HEAT_FLUX = Dimension("power/area", -1, 1, -1)
 VELOCITY = Dimension("length/time", 1, 0, -1)
 COMPLIANCE = Dimension("length/stress", 3, -1)
 PER_STRESS = Dimension("1/stress", 2, -1)

@@ -194,7 +194,7 @@ class FieldSeries:
         self.last = max(self._grids.values(), default=None)
         self._stress = NodalStress(problem)
         self._cells = _cell_fields(problem)
-        given = problem.scene.temperature
+        given = problem.scene.has_temperatures
         self._temperatures = NodalTemperatures(problem) if given else None
         nodes = problem.spaces.displacement_space.dofmap.index_map.size_global
         self.most = int(np.clip(_MOST_BYTES // (_BYTES_OF_A_NODE * nodes), 2, _MOST_STEPS))

@@ -116,10 +116,18 @@ class CondensedBody:
 
     def _take(self, bulk: CondensedBulk) -> None:
         """Work out all that follows from a factorisation and is remembered; collective."""
-        self.bulk, discrete, moves = bulk, self.discrete, self._moves
+        self.bulk, self.loads = bulk, CondensedLoads(bulk)
+        self.renew_scalars()
+        self._of_schur: OfSchur | None = None
+        self._of_jumps: tuple[list[Projection], Flags, OfSchur | ReducedSchur] | None = None
+        self._of_prescribed: list[tuple[Array, ScalarLoad]] = []
+        self._given_up: tuple[OfSchur | ReducedSchur, ContactVariables] | None = None
+
+    def renew_scalars(self) -> None:
+        """Work out what the scalars of the body do to it at present; collective."""
+        bulk, discrete, moves = self.bulk, self.discrete, self._moves
         forces, own = discrete.elastic.scalar_forces, discrete.elastic.scalar_stiffness
         self.scalars = CondensedScalars(forces, own, self.stiffness, bulk, self.held)
-        self.loads = CondensedLoads(bulk)
         self.loads_at = LoadsOfBody(
             self.stiffness,
             self.held,
@@ -130,10 +138,6 @@ class CondensedBody:
             lambda: discrete.is_kept and not moves,
         )
         self.rows = BodyRows(RowMaker(self.stiffness, self.held, self.dofs, bulk))
-        self._of_schur: OfSchur | None = None
-        self._of_jumps: tuple[list[Projection], Flags, OfSchur | ReducedSchur] | None = None
-        self._of_prescribed: list[tuple[Array, ScalarLoad]] = []
-        self._given_up: tuple[OfSchur | ReducedSchur, ContactVariables] | None = None
 
     def with_bulk(self, bulk: CondensedBulk) -> CondensedBody:
         """The body with another bulk, that of steps of motion; collective.

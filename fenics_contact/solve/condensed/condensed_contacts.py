@@ -270,6 +270,17 @@ class CondensedContacts:
             UnknownsTangent(constant, nodes), self._body.scalars.border(kept, self.size)
         )
 
+    def follow_scalars(self, scalar_loads: Sequence[ScalarLoad]) -> None:
+        """Take what the body's scalars do to it, after that has changed.
+
+        Args:
+            scalar_loads: What a unit of each scalar unknown does to the bulk.
+        """
+        self._scalar_loads = scalar_loads
+        self.kept.take_scalars(self._body.scalars.condensed)
+        if self.tangent is not None:
+            self.tangent.border = self._body.scalars.border(self.kept, self.size)
+
     @property
     def is_held(self) -> Flags:
         """Whether each of the body's scalars is held, (body_scalars,)."""

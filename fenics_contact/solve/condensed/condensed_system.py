@@ -112,6 +112,13 @@ class CondensedSystem(System):
         self._create_vectors()
         self._set_state(displacements, scalars)
 
+    def follow_scalar_forces(self) -> None:
+        """Take what the body's scalars do to it, after that has changed; collective."""
+        self.body.renew_scalars()
+        self._scalar_loads = [self.body.scalar_load(one) for one in self.problem.unknowns]
+        self._contacts.follow_scalars(self._scalar_loads)
+        self._present = None
+
     def _set_state(self, position: Array, scalars: Array) -> None:
         """Set displacements of the free contact dofs, and scalars; collective."""
         with self.state as array:

@@ -186,6 +186,14 @@ class KeptUnknowns:
         self.numbers: Integers = np.arange(variables.count) if own is None else own
         self.count = len(self.numbers)
         self._is_reduced = own is not None
+        self.take_scalars(scalar_forces)
+
+    def take_scalars(self, scalar_forces: list[Array]) -> None:
+        """Work out what the body's scalars do to the unknowns.
+
+        Args:
+            scalar_forces: What a unit of each does to the free contact dofs, on rank 0.
+        """
         eliminated = 0 if self._reduced is None else len(self._reduced.rest)
         self._of_scalars = np.zeros((eliminated, len(scalar_forces)))  # L⁻¹ C of those eliminated
         loads = [self.load(forces) for forces in scalar_forces]

@@ -72,7 +72,8 @@ class CondensedScalars:
     def units(self) -> Array:
         """Entries of the rows of scalars that are held, on the diagonal (force/length)."""
         diagonal = self.corner.diagonal()
-        return np.where(diagonal == 0, np.abs(self.corner).max(axis=1, initial=0.0), diagonal)
+        found = np.where(diagonal == 0, np.abs(self.corner).max(axis=1, initial=0.0), diagonal)
+        return np.where(found == 0, 1.0, found)  # of a scalar that does nothing at present
 
     def from_loads(self, load: Array, supported: Array) -> Array:
         """N₀, (scalars,) (force); collective.

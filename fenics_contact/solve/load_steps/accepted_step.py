@@ -11,6 +11,7 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import STICK
+from fenics_contact.problem.conduction.conduction import HeatMemory
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.systems.solution import Solution
@@ -156,12 +157,14 @@ class AcceptedStep:
         contacts: That of the contacts.
         solution: What was found.
         before: The state of the step before; None for the first.
+        heat: Temperatures, where these are found by conduction.
     """
 
     unknowns: Unknowns
     contacts: list[ContactMemory]
     solution: Solution
     before: Unknowns | None
+    heat: HeatMemory | None = None
 
     @property
     def time(self) -> float:
@@ -285,6 +288,10 @@ class AuxiliaryState:
     said: dict[str, Any] = field(default_factory=dict)
     at_points: list[dict[str, Array]] = field(default_factory=list)
     nodal: dict[str, Array] = field(default_factory=dict)
+
+    def values(self, name: str) -> list[Array]:
+        """The values of a name at the points of all contacts."""
+        return [one[name] for one in self.at_points]
 
     def of_contact(self, number: int) -> dict[str, Array]:
         """The values at the points of a contact."""

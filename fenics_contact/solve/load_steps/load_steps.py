@@ -36,6 +36,10 @@ logger = logging.getLogger(__name__)
 _SAME_END = 1e-4
 
 
+# Names of what is kept of temperatures.
+_RISE, _OF_HEAT = "temperature_rise", "pressure_of_heat"
+
+
 class LoadSteps(StepTries):
     """All load steps of a problem.
 
@@ -110,8 +114,15 @@ class LoadSteps(StepTries):
 
     @property
     def auxiliary(self) -> AuxiliaryState:
-        """State that another run needs besides the last step to go on: none."""
-        return AuxiliaryState()
+        """State that another run needs besides the last step to go on: its temperatures."""
+        heat = None if self.last is None else self.last.heat
+        conduction = self.problem.conduction
+        if heat is None or conduction is None:
+            return AuxiliaryState()
+        return AuxiliaryState(
+            at_points=[{_OF_HEAT: one} for one in conduction.of_all_contacts(heat)],
+            nodal={_RISE: np.repeat(heat.rise[:, None], self.problem.spaces.components, axis=1)},
+        )
 
     def resume(
         self, last: AcceptedStep, pace: Sequence[float], forces: float, auxiliary: AuxiliaryState
@@ -127,6 +138,10 @@ class LoadSteps(StepTries):
         Returns:
             The solution of that step.
         """
+        conduction = self.problem.conduction
+        if conduction is not None:
+            heat = conduction.memory_of(auxiliary.nodal[_RISE][:, 0], auxiliary.values(_OF_HEAT))
+            last = dataclasses.replace(last, heat=heat)
         self.last = last
         self.pace.resume(pace)
         if self._cycles is not None:
@@ -274,6 +289,7 @@ class LoadSteps(StepTries):
             contacts=[remember(contact) for contact in problem.contacts],
             solution=found,
             before=self.last.unknowns if self.last else None,
+            heat=None if problem.conduction is None else problem.conduction.memory,
         )
         self._first = self._first or (self.last.contacts if self.last.before is None else [])
         system.earlier_forces = max(system.earlier_forces, system.present_forces)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -101,6 +102,9 @@ class StepRollback:
         """To the last accepted step as it was solved, or to none; collective."""
         problem = self.problem
         self._has_moved_on = False
+        if problem.conduction is not None:
+            problem.conduction.recall(None if self.last is None else self.last.heat)
+            self._follow_temperature()
         if self.last is None:
             self._recall(self._untouched)
             return
@@ -112,6 +116,11 @@ class StepRollback:
         problem.displacement.x.array[:] = unknowns.displacement.reshape(-1)
         for contact in problem.contacts:  # also of those that exert no forces
             contact.kinematics.move(contact.kinematics.relative(unknowns.displacement))
+
+    def _follow_temperature(self) -> None:
+        """Expand the body as temperatures say that were found; collective."""
+        self.problem.follow_temperature()
+        self.newton.system.follow_scalar_forces()
 
     def go_back_to(self, step: AcceptedStep) -> None:
         """To a load step that was accepted, from a later one; collective."""
@@ -160,6 +169,7 @@ class StepTries(StepRollback):
         super().__init__(newton)
         self._knots = knots(self.problem.scene)
         self._guess: Unknowns | None = None
+        self._near: Unknowns | None = None  # of the same step, at other temperatures
         self._warm: Warm | None = None
         self.warm_steps = 0
 
@@ -174,6 +184,61 @@ class StepTries(StepRollback):
         self._guess, self._warm = guess, warm
 
     def _try(self, time: float) -> Solution:
+        """Solve a step; again where its pressures change temperatures; collective."""
+        conduction = self.problem.conduction
+        if conduction is None:
+            return self._try_at_temperatures(time)
+        conduction.begin(time)
+        self._follow_temperature()
+        found = self._try_at_temperatures(time)
+        steps = found.newton_iterations
+        while conduction.follow(found.states):
+            logger.debug("  time %g: temperatures follow the contact pressures", time)
+            present, temperatures = self._present(time), conduction.present
+            self.go_back()
+            conduction.take(temperatures)
+            self._follow_temperature()
+            self._near = present
+            found = self._try_at_temperatures(time)
+            steps += found.newton_iterations
+        self._near = None
+        return replace(found, newton_iterations=steps)
+
+    def try_first_step(self, time: float, pressure: float, holds: bool = False) -> Solution:
+        """Solve the first load step from other temperatures; collective.
+
+        Whoever asks goes back to a step that was accepted afterwards.
+
+        Args:
+            time: Its pseudo-time.
+            pressure: With which contacts conduct at first, at all of their points (stress).
+            holds: Whether temperatures stay as they are then.
+
+        Raises:
+            NotConvergedError: From there, it leads to no answer.
+        """
+        assert self.problem.conduction is not None
+        self.last = None
+        self.go_back()
+        self.problem.conduction.start_from(pressure)
+        if not holds:
+            return self._try(time)
+        self.problem.conduction.begin(time)
+        self._follow_temperature()
+        return self._try_at_temperatures(time)
+
+    def _present(self, time: float) -> Unknowns:
+        """Unknowns as a step has just found them; collective."""
+        system, mixed = self.newton.system, self.problem.elastic.mixed
+        return Unknowns(
+            time,
+            lambda: self.problem.displacement.x.array.reshape(self.problem.load.shape),
+            system.scalar_values(system.state),
+            np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy(),
+            system.position(),
+        )
+
+    def _try_at_temperatures(self, time: float) -> Solution:
         """Solve a step; again where the contact dofs turn out to be too few; collective."""
         system = self.newton.system
         while True:
@@ -266,6 +331,8 @@ class StepTries(StepRollback):
         Not with the static law: its answers do not go on in straight lines, and a step begins
         nearer to its end without it.
         """
+        if self._near is not None:
+            return self._near
         if self.last is None:
             return self._guess
         if not all(contact.friction.follows_path for contact in self.problem.coulomb):
@@ -297,13 +364,6 @@ class StepTries(StepRollback):
             contact.friction_term.tangent_state.stick_all()
             contact.friction_term.follow_pressure()
         newton.take_steps(1)
-        system, mixed = newton.system, problem.elastic.mixed
-        found = Unknowns(
-            time,
-            lambda: problem.displacement.x.array.reshape(problem.load.shape),
-            system.scalar_values(system.state),
-            np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy(),
-            system.position(),
-        )
+        found = self._present(time)
         self.go_back()
         return found

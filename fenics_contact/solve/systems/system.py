@@ -211,6 +211,14 @@ class System(ABC):
             if self.scalars and self.comm.rank == 0:
                 array[-self.scalars :] = values
 
+    def follow_scalar_forces(self) -> None:
+        """Take what the body's scalars do to it, after that has changed; collective.
+
+        Raises:
+            NotImplementedError: The system cannot.
+        """
+        raise NotImplementedError("only a condensed system follows temperatures that are found")
+
     def _note_scalar_forces(self, forces: Array) -> None:
         """Tell every rank the forces on the body's scalars, which rank 0 has last; collective."""
         count = len(self.problem.body_scalars)

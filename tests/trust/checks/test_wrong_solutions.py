@@ -38,6 +38,7 @@ from tests.contact.shuffled import Shuffled
 from tests.preload.joints import joint
 from tests.preload.test_joint import scene as bolted_joint
 from tests.problem.sectors import sector
+from tests.problem.test_conduction import conducting_bars
 from tests.problem.test_couplings import block as divided
 from tests.problem.test_couplings import punch
 from tests.report.page.pages import page_of
@@ -139,6 +140,10 @@ def punched():
 def ringed():
     """One sector of a hub on a shaft."""
     return sector()
+def heated():
+    """Two bars that press on each other as they are warm, and conduct by that."""
+    scene, body = conducting_bars((120, 20), 0.05)
+    return Run(scene, COMM, body)
 
 
 def driven():
@@ -371,6 +376,7 @@ BROKEN = {
     ("cyclic_symmetry", "forces"): (ringed, pulled_at_the_cut),
     ("action_and_reaction", ""): (stacked, handed_over_elsewhere),
     ("boundary_stress", ""): (strip, stress(0.5)),
+    ("heat_balance", ""): (heated, at_points(contact_pressure=1.001)),
     ("unseen_contact", ""): (between_points, lambda prepared, _: prepared.solution),
     # Of the pad's friction, 60, a sixth holds the strip.
     ("slip_limit", ""): (strip, at_points(friction_traction=6.001)),

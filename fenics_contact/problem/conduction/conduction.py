@@ -1,0 +1,391 @@
+"""Temperatures of a model by stationary conduction, found together with the contact pressures.
+
+How much heat crosses a contact depends on its pressure, which depends on the temperatures. A load
+step is solved with temperatures that are held; these follow its pressures, and the step is solved
+again, until nothing changes. What is iterated on are the pressures, accelerated by the last few
+(D. G. Anderson, J. ACM 12 (1965) 547-560).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.sparse import bmat, csc_matrix, csr_matrix
+from scipy.sparse.linalg import splu
+
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common import mumps
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.errors import FenicsContactError, InputError, NotConvergedError
+from fenics_contact.common.parallel import from_root, gather_rows, largest, raise_together, total
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import ContactState
+from fenics_contact.problem.conduction.heat_of_bodies import HeatOfBodies
+from fenics_contact.problem.conduction.heat_of_contact import HeatOfContact, PairedHeat
+from fenics_contact.scene.scene import Scene
+
+# Of the largest rise of temperature: by no more may it change from one solve to the next.
+_SAME = 1e-7
+_MOST_SOLVES = 60
+_NEGLIGIBLE = 1e-9  # of heat that would flow without a balance: below that none flows
+_DEPTH = 6  # earlier solves that Anderson's method combines
+
+
+@dataclass(frozen=True, eq=False)
+class HeatMemory:
+    """Temperatures and pressures of a load step that was accepted.
+
+    Attributes:
+        rise: Temperature less the reference, at the nodes of this rank (temperature).
+        pressures: Of each contact that conducts, at its points (stress).
+    """
+
+    rise: Array
+    pressures: list[Array]
+
+
+@dataclass(frozen=True, eq=False)
+class HeatOfStep:
+    """Where a load step has come to.
+
+    Attributes:
+        time: Its pseudo-time.
+        memory: Present temperatures and pressures.
+        past: Pressures before and after earlier solves.
+        solves: How many there were.
+    """
+
+    time: float
+    memory: HeatMemory
+    past: list[tuple[Array, Array]]
+    solves: int
+
+
+class Conduction:
+    """Temperatures at the nodes; collective.
+
+    Attributes:
+        rise: Temperature less the reference, at the nodes of this rank (temperature).
+        contacts: That conduct.
+
+    Args:
+        scene: With its heat.
+        spaces: Those of the body.
+        contacts: All, in scene order.
+    """
+
+    def __init__(self, scene: Scene, spaces: Spaces, contacts: Sequence[ContactSurface]) -> None:
+        self._spaces, self._comm, self._every = spaces, spaces.comm, contacts
+        self._bodies = HeatOfBodies(scene, spaces)
+        self.contacts = [
+            HeatOfContact(contact, self._bodies)
+            for contact in contacts
+            if contact.contact.conductance is not None
+        ]
+        self._numbers = [contacts.index(one.contact) for one in self.contacts]
+        self.rise = np.zeros(len(spaces.coordinates))
+        self._pressures = [np.zeros(len(one.contact.trace.weights)) for one in self.contacts]
+        self._opposite = [np.zeros(0)] * len(self.contacts)
+        self._time = 0.0
+        self._past: list[tuple[Array, Array]] = []
+        self._solves = 0
+
+    @property
+    def memory(self) -> HeatMemory:
+        """Of the present state."""
+        return HeatMemory(self.rise.copy(), [one.copy() for one in self._pressures])
+
+    def of_all_contacts(self, memory: HeatMemory) -> list[Array]:
+        """Pressures of a memory at the points of all contacts, 0 of those that do not conduct."""
+        found = [np.zeros(len(one.trace.weights)) for one in self._every]
+        for number, pressure in zip(self._numbers, memory.pressures, strict=True):
+            found[number] = pressure
+        return found
+
+    def memory_of(self, rise: Array, pressures: Sequence[Array]) -> HeatMemory:
+        """The memory of a rise at the nodes, and of pressures as ``of_all_contacts`` gave them."""
+        return HeatMemory(rise.copy(), [pressures[number] for number in self._numbers])
+
+    def recall(self, memory: HeatMemory | None) -> None:
+        """Go back to a state that was remembered; None for that before the first load step."""
+        self._past, self._solves = [], 0
+        if memory is None:
+            self.rise = np.zeros_like(self.rise)
+            self._pressures = [np.zeros_like(one) for one in self._pressures]
+            return
+        self.rise, self._pressures = memory.rise.copy(), [one.copy() for one in memory.pressures]
+
+    @property
+    def present(self) -> HeatOfStep:
+        """Where a load step has come to, to go on from after going back."""
+        return HeatOfStep(self._time, self.memory, [*self._past], self._solves)
+
+    def take(self, step: HeatOfStep) -> None:
+        """Go on from where a load step had come to."""
+        self.recall(step.memory)
+        self._time, self._past, self._solves = step.time, step.past, step.solves
+
+    def begin(self, time: float) -> None:
+        """Find the temperatures of a pseudo-time with the pressures there are; collective."""
+        self._time, self._past, self._solves = time, [], 0
+        self.rise = self._solved(self._pressures)
+
+    @property
+    def may_have_several_answers(self) -> bool:
+        """Whether a contact conducts the better, the more it is pressed."""
+        return any(one.grows for one in self.contacts)
+
+    @property
+    def highest_pressure(self) -> float:
+        """The highest pressure of which a conductance says anything (stress)."""
+        return max(one.highest_pressure for one in self.contacts)
+
+    def start_from(self, pressure: float) -> None:
+        """Let the next load step begin with the temperatures of a uniform pressure.
+
+        Args:
+            pressure: At all points of contacts that conduct (stress).
+        """
+        self._pressures = [np.full_like(one, pressure) for one in self._pressures]
+
+    def follow(self, states: Sequence[ContactState]) -> bool:
+        """Whether temperatures have changed with the pressures of a solve; collective.
+
+        Args:
+            states: Of all contacts.
+
+        Raises:
+            NotConvergedError: They have changed for too long.
+        """
+        found = [state.contact_pressure for state in self.states_of(states)]
+        ahead = self._solved(found)
+        size = largest(self._comm, np.abs(ahead))
+        change = largest(self._comm, np.abs(ahead - self.rise))
+        self._solves += 1
+        if change <= _SAME * size:
+            return False
+        if self._solves >= _MOST_SOLVES:
+            raise NotConvergedError(
+                f"time {self._time:g}: temperatures and contact pressures have not settled in "
+                f"{_MOST_SOLVES} solves; temperatures still change by {change:.3g}",
+                (),
+            )
+        self._pressures = self._accelerated(found)
+        self.rise = self._solved(self._pressures)
+        return True
+
+    def states_of(self, states: Sequence[ContactState]) -> list[ContactState]:
+        """Those of the contacts that conduct, of the states of all."""
+        return [states[number] for number in self._numbers]
+
+    def _accelerated(self, found: Sequence[Array]) -> list[Array]:
+        """Pressures to go on with, by those of the last few solves."""
+        begun, ended = np.concatenate(self._pressures), np.concatenate(list(found))
+        owned = np.concatenate([one.contact.trace.owned for one in self.contacts])
+        self._past = [*self._past[-_DEPTH:], (begun, ended)]
+        residuals = [(end - begin)[owned] for begin, end in self._past]
+        ahead = ended
+        if len(self._past) > 1:
+            steps = np.array([residuals[-1] - one for one in residuals[:-1]])
+            gram = np.asarray(total(self._comm, steps @ steps.T))
+            right = np.asarray(total(self._comm, steps @ residuals[-1]))
+            scale = float(gram.diagonal().max()) or 1.0
+            shares = np.linalg.lstsq(gram / scale, right / scale, rcond=1e-12)[0]
+            for share, (_, end) in zip(shares, self._past[:-1], strict=True):
+                ahead = ahead - share * (ended - end)
+        ends = np.cumsum([len(one) for one in found])[:-1]
+        return [np.maximum(part, 0.0) for part in np.split(ahead, ends)]
+
+    def _solved(self, pressures: Sequence[Array]) -> Array:
+        """Rise at the nodes of this rank by pressures at the points; collective.
+
+        Raises:
+            InputError: On every rank; nothing says which temperature a body has.
+        """
+        paired = [one.paired for one in self.contacts]
+        weighted = [
+            one.weighted(one.conductances(pressure))
+            for one, pressure in zip(self.contacts, pressures, strict=True)
+        ]
+        whole: list[Array] | None = None
+        error: FenicsContactError | None = None
+        if self._comm.rank == 0:
+            try:
+                whole = self._solve_whole(paired, weighted)
+            except FenicsContactError as caught:
+                error = caught
+        raise_together(self._comm, error)
+        every: list[Array] = from_root(self._comm, whole or [])
+        self._opposite = every[1:]
+        return np.asarray(every[0][self._bodies.numbers])
+
+    def _solve_whole(self, paired: Sequence[PairedHeat], weighted: Sequence[Array]) -> list[Array]:
+        """Rise of all nodes, and what is opposite at the slave's nodes of each contact."""
+        bodies = self._bodies
+        matrix, sizes = _with_contacts(bodies.matrix, paired, weighted)
+        right = np.zeros(matrix.shape[0])
+        right[: bodies.count] = bodies.taken_in(self._time)
+        given, rise = bodies.given_at(self._time)
+        values = np.zeros(len(right))
+        values[given] = rise
+        free = np.ones(len(right), dtype=bool)
+        free[given] = False
+        right = right - matrix @ values
+        values[free] = _direct_solution(csr_matrix(matrix[free][:, free]), right[free])
+        ends = np.cumsum([bodies.count, *(2 * size for size in sizes)])
+        return [
+            values[: bodies.count],
+            *(values[end : end + size] for end, size in zip(ends, sizes, strict=False)),
+        ]
+
+    def steps(self) -> list[Array]:
+        """Temperature opposite less the own one, at the points of each contact; collective.
+
+        At this rank's points, 0 where no heat can cross (temperature).
+        """
+        found = []
+        for one, opposite in zip(self.contacts, self._opposite, strict=True):
+            active, trace = one.paired.active, one.contact.trace
+            own = self.rise[trace.all_nodes]
+            whole = np.zeros(len(active))
+            whole[active] = opposite
+            there = whole[trace.surface.numbers]
+            step = trace.at_points((there - own)[:, None])[:, 0]
+            found.append(np.where(one.faces, step, 0.0))
+        return found
+
+    def flows(self, states: Sequence[ContactState]) -> dict[int, float]:
+        """Heat into the body of ``on`` across each contact that conducts; collective (power).
+
+        Args:
+            states: Of all contacts, whose pressures say how much crosses.
+        """
+        found = {}
+        for number, one, step in zip(self._numbers, self.contacts, self.steps(), strict=True):
+            conductance = one.conductances(states[number].contact_pressure)
+            into_slave = float(one.contact.trace.integral(conductance * step))
+            found[number] = one.contact.sides.on_sign * into_slave
+        return found
+
+    def imbalance(self, states: Sequence[ContactState]) -> float | None:
+        """Heat that a body takes in and does not give, over all heat; collective.
+
+        Across contacts as their pressures say. The largest of all bodies; None without heat.
+
+        Args:
+            states: Of all contacts.
+        """
+        across = self._across(states)
+        bodies, comm = self._bodies, self._comm
+        owned = slice(self._spaces.owned_nodes)
+        rows = np.column_stack(
+            [bodies.numbers, self.rise, self._spaces.parts.of_node[: len(self.rise)]]
+        )
+        numbers, rise, parts = gather_rows(comm, rows[owned]).T
+        order = np.argsort(numbers)
+        left = bodies.matrix @ rise[order] - bodies.taken_in(self._time)
+        given, _ = bodies.given_at(self._time)
+        every = float(np.abs(left[given]).sum() + np.abs(bodies.taken_in(self._time)).sum())
+        every += _NEGLIGIBLE * float((abs(bodies.matrix) @ np.abs(rise)).sum())
+        if every == 0:
+            return None
+        left[given] = across[given] = 0.0
+        sums = np.bincount(parts[order].astype(np.int64), left - across)
+        return float(np.abs(sums).max() / every)
+
+    def _across(self, states: Sequence[ContactState]) -> Array:
+        """Heat that crosses contacts into all nodes of all ranks, (nodes,); collective (power)."""
+        found = np.zeros(self._bodies.count)
+        for number, one, step in zip(self._numbers, self.contacts, self.steps(), strict=True):
+            pair = one.paired
+            conducted = one.weighted(one.conductances(states[number].contact_pressure) * step)
+            onto_slave = pair.points.T @ conducted
+            np.add.at(found, pair.slave, onto_slave)
+            if len(pair.slave):
+                multipliers = splu(csc_matrix(pair.mass.T)).solve(onto_slave)
+                np.add.at(found, pair.master, -(pair.coupling.T @ multipliers))
+        return found
+
+
+def _with_contacts(
+    matrix: csr_matrix, paired: Sequence[PairedHeat], weighted: Sequence[Array]
+) -> tuple[csr_matrix, list[int]]:
+    """The matrix of conduction with contacts, and how many nodes of each slave take part.
+
+    Behind the rise of all nodes come, of each contact, what is opposite at its slave's nodes, and
+    the multipliers of D τ = M T.
+
+    Args:
+        matrix: Of the bodies (power/temperature).
+        paired: Of each contact.
+        weighted: Conductance times area at its points of all ranks (power/temperature).
+    """
+    count, whole = matrix.shape[0], matrix
+    sides: list[csr_matrix] = []
+    corners: list[csr_matrix] = []
+    for pair, weights in zip(paired, weighted, strict=True):
+        size = len(pair.slave)
+        chosen = _selection(pair.slave, count)
+        conducted = csr_matrix(pair.points.T.multiply(weights) @ pair.points)
+        whole = whole + chosen.T @ conducted @ chosen
+        sides += [-conducted @ chosen, -pair.coupling @ _selection(pair.master, count)]
+        corners += [conducted, pair.mass, csr_matrix((size, size))]
+    if not sides:
+        return csr_matrix(whole), []
+    sizes = [len(pair.slave) for pair in paired]
+    blocks = [[None] * (1 + len(sides)) for _ in range(1 + len(sides))]
+    blocks[0][0] = whole
+    for number, side in enumerate(sides, 1):
+        blocks[number][0], blocks[0][number] = side, side.T
+    for number in range(len(paired)):
+        conducted, mass, none = corners[3 * number : 3 * number + 3]
+        first = 1 + 2 * number
+        blocks[first][first], blocks[first][first + 1] = conducted, mass.T
+        blocks[first + 1][first], blocks[first + 1][first + 1] = mass, none
+    return csr_matrix(bmat(blocks)), sizes
+
+
+def _selection(numbers: Integers, count: int) -> csr_matrix:
+    """Values at some of all nodes, as a matrix, (numbers, nodes)."""
+    places = np.arange(len(numbers)), numbers
+    return csr_matrix((np.ones(len(numbers)), places), shape=(len(numbers), count))
+
+
+def _direct_solution(matrix: csr_matrix, right: Array) -> Array:
+    """Solve on one rank.
+
+    Raises:
+        InputError: The matrix is singular.
+    """
+
+    def create(spare: int) -> PETSc.PC:
+        factor = PETSc.PC().create(PETSc.COMM_SELF)
+        factor.setOperators(whole)
+        factor.setType("lu")
+        factor.setFactorSolverType(mumps.NAME)
+        factor.setFactorSetUpSolverType()
+        factor.getFactorMatrix().setMumpsIcntl(14, spare)
+        factor.getFactorMatrix().setMumpsIcntl(24, 1)  # tells of pivots that are zero
+        return factor
+
+    arrays = (matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType))
+    whole = PETSc.Mat().createAIJ(matrix.shape, csr=(*arrays, matrix.data), comm=PETSc.COMM_SELF)
+    factor, error = mumps.factorised(create)
+    try:
+        if isinstance(error, NotConvergedError) or factor.getFactorMatrix().getMumpsInfog(28) > 0:
+            raise InputError(
+                "heat: nothing says which temperature a body has; give it one, a film, or a "
+                "contact that conducts also where nothing presses"
+            )
+        if error is not None:
+            raise error
+        solution, load = whole.createVecs()
+        load.array[:] = right
+        factor.apply(load, solution)
+        return np.array(solution.array_r)
+    finally:
+        for thing in (factor, whole):
+            thing.destroy()

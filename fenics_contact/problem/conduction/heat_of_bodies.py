@@ -1,0 +1,158 @@
+"""Conduction in the bodies: the matrix of the first rank, and what boundaries have of heat.
+
+The unknown is the rise, the temperature less the reference temperature, at every node of the
+displacements. It is one number a node, so that the first rank solves for all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from scipy.sparse import csr_matrix
+from ufl.core.expr import Expr
+
+from fenics_contact.body.materials import MaterialPoints
+from fenics_contact.body.spaces import Spaces
+from fenics_contact.common import form_cache
+from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.parallel import gather_rows
+from fenics_contact.scene.loading.heat import Heat
+from fenics_contact.scene.loading.load_paths import KeyedPath
+from fenics_contact.scene.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class GivenRise:
+    """A boundary with a given temperature.
+
+    Attributes:
+        numbers: Of its nodes, over all ranks.
+        rise: At each, where the path is 1 (temperature).
+        path: Over pseudo-time.
+    """
+
+    numbers: Integers
+    rise: Array
+    path: Callable[[float], float]
+
+
+@dataclass(frozen=True, eq=False)
+class GivenFlow:
+    """What a boundary takes in, by a flux or from what is around a film.
+
+    Attributes:
+        nodal: At all nodes of all ranks, where the path is 1 (power).
+        path: Over pseudo-time.
+    """
+
+    nodal: Array
+    path: Callable[[float], float]
+
+
+class HeatOfBodies:
+    """Conduction in the bodies of a scene; collective.
+
+    Attributes:
+        numbers: Of each node of this rank, over all ranks.
+        count: Nodes of all ranks.
+        matrix: Of conduction and films, on every rank (power/temperature).
+        given: Boundaries with given temperatures.
+        flows: What boundaries take in.
+
+    Args:
+        scene: With its heat and conductivities.
+        spaces: Those of the body.
+
+    Raises:
+        InputError: A boundary of heat is none of the body, or a value cannot be evaluated.
+    """
+
+    def __init__(self, scene: Scene, spaces: Spaces) -> None:
+        self._spaces = spaces
+        space, scalar_of_node = spaces.scalar_space()
+        self._space = space
+        index_map = space.dofmap.index_map
+        self.count = int(index_map.size_global)
+        self.numbers = index_map.local_to_global(scalar_of_node.astype(np.int32))
+        self._reference = scene.material[0].reference_temperature
+        trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
+        self._test = test
+        points = MaterialPoints(scene.material, spaces, varies=False)
+        values = [float(one.conductivity or 0.0) for one in scene.material]
+        conductivity = points.coefficient(points.evaluate("conductivity", values))
+        form = spaces.weight * conductivity * ufl.inner(ufl.grad(trial), ufl.grad(test))
+        form = form * spaces.bulk
+        self.given: list[GivenRise] = []
+        self.flows: list[GivenFlow] = []
+        for number, heat in enumerate(scene.heat):
+            form += self._place(heat, f"heat[{number}]", trial)
+        self.matrix = self._whole(form_cache.form(form))
+
+    def _place(self, heat: Heat, key: str, trial: Expr) -> ufl.Form:
+        """Take in what a boundary has, and return what it adds to the matrix; collective."""
+        spaces, path = self._spaces, KeyedPath(heat.path, f"{key}.path")
+        group = spaces.body.boundary(heat.on, f"{key}.on")
+        measure, nodes = spaces.boundary(group), spaces.nodes(group)
+        if heat.temperature is not None:
+            rise = spaces.evaluate(heat.temperature, nodes, f"{key}.temperature")
+            rows = gather_rows(
+                spaces.comm, np.column_stack([self.numbers[nodes], rise - self._reference])
+            )
+            numbers, first = np.unique(rows[:, 0].astype(np.int64), return_index=True)
+            self.given.append(GivenRise(numbers, rows[first, 1], path))
+            return ufl.Form([])
+        if heat.film is not None:
+            around = heat.film.coefficient * (heat.film.temperature - self._reference)
+            inward: Expr | float = around
+        else:
+            assert heat.flux is not None
+            values = spaces.evaluate(heat.flux, nodes, f"{key}.flux")
+            inward = spaces.coefficient(values, nodes)
+        work = spaces.weight * inward * self._test * measure
+        self.flows.append(GivenFlow(self._nodal(form_cache.form(work)), path))
+        if heat.film is None:
+            return ufl.Form([])
+        film: ufl.Form = spaces.weight * heat.film.coefficient * trial * self._test * measure
+        return film
+
+    def _whole(self, form: fem.Form) -> csr_matrix:
+        """A matrix of all ranks, with the nodes' numbers over all of them; collective."""
+        index_map = self._space.dofmap.index_map
+        count = index_map.size_local + index_map.num_ghosts
+        numbers = index_map.local_to_global(np.arange(count, dtype=np.int32))
+        # Columns of nodes that only other ranks' cells have come last, and are empty.
+        own = csr_matrix(fem.assemble_matrix(form).to_scipy(ghosted=True))[:, :count].tocoo()
+        comm = self._spaces.comm
+        places = gather_rows(comm, numbers[own.row]), gather_rows(comm, numbers[own.col])
+        return csr_matrix((gather_rows(comm, own.data), places), shape=(self.count, self.count))
+
+    def _nodal(self, form: fem.Form) -> Array:
+        """A linear form at all nodes of all ranks; collective."""
+        own = np.array(fem.assemble_vector(form).array)
+        index_map = self._space.dofmap.index_map
+        numbers = index_map.local_to_global(np.arange(len(own), dtype=np.int32))
+        comm = self._spaces.comm
+        rows = gather_rows(comm, np.column_stack([numbers, own]))
+        return np.bincount(rows[:, 0].astype(np.int64), rows[:, 1], self.count)
+
+    def taken_in(self, time: float) -> Array:
+        """What boundaries take in at a pseudo-time, (nodes of all ranks,) (power)."""
+        found = np.zeros(self.count)
+        for flow in self.flows:
+            found += flow.path(time) * flow.nodal
+        return found
+
+    def given_at(self, time: float) -> tuple[Integers, Array]:
+        """Numbers of nodes whose rise is given at a pseudo-time, and that rise (temperature).
+
+        Where boundaries meet, the first one counts.
+        """
+        found: dict[int, float] = {}
+        for one in self.given:
+            for number, rise in zip(one.numbers.tolist(), one.rise.tolist(), strict=True):
+                found.setdefault(number, one.path(time) * rise)
+        return np.array([*found], dtype=np.int64), np.array([*found.values()], dtype=np.float64)

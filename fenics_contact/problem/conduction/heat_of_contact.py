@@ -1,0 +1,140 @@
+"""Heat across a contact between two bodies, by a conductance that may grow with the pressure.
+
+It flows with the step of temperature from one body to the other. The temperature opposite is
+projected onto the slave's surface by the mortar integrals, as displacements are: it is an unknown
+of its own at the slave's nodes, held by D τ = M T.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.parallel import gather_rows
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.kinematics import ContactKinematics
+from fenics_contact.contact.mortar.pairing import Pairing
+from fenics_contact.problem.conduction.heat_of_bodies import HeatOfBodies
+from fenics_contact.scene.loading.heat import Conductance
+
+
+@dataclass(frozen=True, eq=False)
+class PairedHeat:
+    """What of a pair of surfaces takes part in conduction, the same on every rank.
+
+    Attributes:
+        slave: Numbers among all nodes of the slave's nodes that face the master.
+        master: Those of all nodes of the master.
+        mass: D between these slave's nodes (area).
+        coupling: M, (these slave's nodes, master's nodes) (area).
+        points: From these slave's nodes to points of all ranks, (points, slave's nodes).
+        active: Which nodes of the whole slave these are, (all nodes of the slave,).
+    """
+
+    slave: Integers
+    master: Integers
+    mass: csr_matrix
+    coupling: csr_matrix
+    points: csr_matrix
+    active: Flags
+
+
+class HeatOfContact:
+    """Conduction across a contact; collective.
+
+    Attributes:
+        contact: The contact.
+        faces: Which points of this rank face the other body, so that heat may cross there.
+
+    Args:
+        contact: Between two bodies, with a conductance.
+        bodies: Conduction in these.
+    """
+
+    def __init__(self, contact: ContactSurface, bodies: HeatOfBodies) -> None:
+        self.contact, self._bodies = contact, bodies
+        assert contact.sides.pairing is not None
+        self._pairing: Pairing = contact.sides.pairing
+        self._paired_at: Array | None = None
+        self._found: PairedHeat | None = None
+        self.faces: Flags = np.zeros(0, dtype=bool)
+
+    @property
+    def paired(self) -> PairedHeat:
+        """The pair as it is paired at present; collective where it was paired anew."""
+        kinematics: ContactKinematics = self.contact.kinematics
+        if self._found is None or kinematics.paired_at is not self._paired_at:
+            self._paired_at = kinematics.paired_at
+            self._found = self._find()
+        return self._found
+
+    def _find(self) -> PairedHeat:
+        trace, pairing = self.contact.trace, self._pairing
+        comm, surface, numbers = trace.spaces.comm, trace.surface, self._bodies.numbers
+        integrals = pairing.whole_integrals()
+        faced = pairing.whole_faced() & (integrals.mass.diagonal() > 0)
+        active = np.flatnonzero(faced)
+        slave = surface.gathered(numbers[surface.body_nodes])[active]
+        master = pairing.master.gathered(numbers[pairing.master.body_nodes])
+        place = np.full(len(faced), -1)
+        place[active] = np.arange(len(active))
+        rows, columns, shares = trace.point_rows
+        columns = place[surface.numbers[columns]]
+        known = np.ones(len(trace.weights), dtype=bool)
+        np.logical_and.at(known, rows, columns >= 0)
+        self.faces = self.contact.kinematics.reached & known
+        own = self._own
+        chosen = own[rows]
+        first = sum(comm.allgather(int(own.sum()))[: comm.rank])
+        of_all = first + np.cumsum(own) - 1
+        entries = np.column_stack([of_all[rows[chosen]], columns[chosen], shares[chosen]])
+        row, column, share = gather_rows(comm, entries).T
+        count = int(comm.allreduce(int(own.sum())))
+        places = row.astype(np.int64), column.astype(np.int64)
+        return PairedHeat(
+            slave=slave,
+            master=master,
+            mass=csr_matrix(integrals.mass[active][:, active]),
+            coupling=csr_matrix(integrals.coupling[active]),
+            points=csr_matrix((share, places), shape=(count, len(active))),
+            active=faced,
+        )
+
+    @property
+    def _own(self) -> Flags:
+        """Points that face the other body, and that this rank owns."""
+        return np.asarray(self.contact.trace.owned & self.faces)
+
+    @property
+    def grows(self) -> bool:
+        """Whether it conducts the better, the more it is pressed."""
+        given = self.contact.contact.conductance
+        return isinstance(given, Conductance) and max(given.values) > given.values[0]
+
+    @property
+    def highest_pressure(self) -> float:
+        """The highest pressure of which its conductance says anything; 0 of a number (stress)."""
+        given = self.contact.contact.conductance
+        return given.pressures[-1] if isinstance(given, Conductance) else 0.0
+
+    def conductances(self, pressure: Array) -> Array:
+        """Conductance at the points of this rank by the contact pressure, 0 where none crosses.
+
+        Args:
+            pressure: At the points (stress).
+        """
+        given = self.contact.contact.conductance
+        if given is None:
+            return np.zeros(len(pressure))
+        if isinstance(given, float | int):
+            touches = np.ones(len(pressure)) if not self.contact.is_one_sided else pressure > 0
+            return np.asarray(float(given) * touches)
+        return given.at(pressure)
+
+    def weighted(self, conductance: Array) -> Array:
+        """Conductance times area at the points of all ranks, in their order; collective."""
+        own = (conductance * self.contact.trace.weights)[self._own]
+        return gather_rows(self.contact.trace.spaces.comm, own)

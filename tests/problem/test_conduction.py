@@ -1,0 +1,237 @@
+"""Stationary heat: walls, films and pipes by formulas, and across contacts that it presses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenics_contact import (
+    Conductance,
+    Contact,
+    Film,
+    Heat,
+    Material,
+    Path,
+    Point,
+    Run,
+    Scene,
+    SolverSettings,
+    Steps,
+    Support,
+    Temperature,
+    run,
+)
+from fenics_contact.simulation.state_file import StateFile
+from fenics_contact.verification.boxes import Box, boxes
+from tests.messages import refused
+from tests.scenes import box_body
+
+COMM = MPI.COMM_WORLD
+LENGTH, HEIGHT = 100.0, 10.0
+CONDUCTIVITY = 0.05
+STEEL = Material(210e3, 0.3, thermal_expansion=12e-6, conductivity=CONDUCTIVITY)
+ALONG = replace(STEEL, thermal_expansion=(12e-6, 0, 0))
+
+
+def _wall(*heat, **more):
+    """A block that expands freely along its upper side and its depth."""
+    given = {"material": STEEL, "solver": SolverSettings(errors="none"), **more}
+    return Scene(
+        kinematics="3D",
+        support=tuple(Support(f"{axis}0", {axis: 0.0}) for axis in "xyz"),
+        heat=heat,
+        point=(Point("middle", (LENGTH / 2, 3.0, 1.0)), Point("end", (LENGTH, 0.0, 0.0))),
+        **given,
+    )
+
+
+def _block():
+    return box_body((4, 2, 2), (LENGTH, HEIGHT, 5))
+
+
+def test_between_two_walls():
+    """Linear, so that what expands along it alone does so without stress, u = α ΔT L/2."""
+    heat = Heat("x0", temperature=0), Heat("x1", temperature=80)
+    found = run(_wall(*heat, material=ALONG), COMM, _block())
+    assert found.passed, found.verdict
+    assert found.quantities["temperature_middle"] == pytest.approx(40, rel=1e-9)
+    assert found.quantities["max_temperature"] == pytest.approx(80, rel=1e-9)
+    moved = found.quantities["displacement_end"][0]
+    assert moved == pytest.approx(12e-6 * 80 * LENGTH / 2, rel=1e-6)
+    assert found.checks["heat_balance"].value < 1e-9
+
+
+def test_a_flux_and_a_film():
+    """T = T∞ + q/h + q x/k from the film on."""
+    flux, film = 0.02, Film(coefficient=0.001, temperature=15.0)
+    made = _wall(Heat("x0", film=film), Heat("x1", flux=flux))
+    found = run(made, COMM, _block())
+    at_film = 15 + flux / 0.001
+    middle = at_film + flux * LENGTH / 2 / CONDUCTIVITY
+    assert found.quantities["temperature_middle"] == pytest.approx(middle, rel=1e-9)
+    assert found.quantities["temperature_end"] == pytest.approx(2 * middle - at_film, rel=1e-9)
+
+
+def test_heat_follows_its_path():
+    path = Path(time=(0, 1, 2), factor=(0, 1, 0.25))
+    made = _wall(
+        Heat("x0", temperature=20, path=path),
+        Heat("x1", temperature=100, path=path),
+        material=replace(STEEL, reference_temperature=20),
+        steps=Steps(times=(1, 2)),
+    )
+    found = run(made, COMM, _block())
+    middles = [step.quantities["temperature_middle"] for step in found.steps]
+    assert middles == pytest.approx([60, 30], rel=1e-9)
+
+
+def test_a_pipe_that_is_hot_inside():
+    """Hoop stress at the bore and the rim of a long pipe.
+
+    S. P. Timoshenko and J. N. Goodier, Theory of Elasticity, article 151.
+    """
+    inner, outer, rise = 20.0, 40.0, 60.0
+    made = Scene(
+        kinematics="axisymmetric",
+        material=STEEL,
+        support=(Support("pipe.y0", {"y": 0.0}), Support("pipe.y1", {"y": 0.0})),
+        heat=(Heat("pipe.x0", temperature=rise), Heat("pipe.x1", temperature=0)),
+        point=(Point("bore", (inner, 1.0)), Point("rim", (outer, 1.0)), Point("in", (30.0, 1.0))),
+        solver=SolverSettings(errors="none"),
+    )
+    found = run(made, COMM, boxes([Box("pipe", (inner, 0), (outer, 2), (24, 2))]))
+    ratio, squares = np.log(outer / inner), outer**2 / (outer**2 - inner**2)
+    size = 210e3 * 12e-6 * rise / (2 * (1 - 0.3) * ratio)
+    bore, rim = size * (1 - 2 * squares * ratio), size * (1 - 2 * (squares - 1) * ratio)
+    assert found.quantities["stress_bore_zz"] == pytest.approx(bore, rel=0.01)
+    assert found.quantities["stress_rim_zz"] == pytest.approx(rim, rel=0.01)
+    within = rise * np.log(outer / 30) / ratio
+    assert found.quantities["temperature_in"] == pytest.approx(within, rel=1e-5)
+
+
+# Two bars between walls, unstressed at 20 °C, that touch as they expand along x: by the flux q and
+# the pressure p, q = (T₀ − T₁)/(L/k + L/k' + 1/h) and p (L/E + L/E') = α L θ + α' L θ' − gap.
+GROWING = Conductance(pressures=(0, 1000), values=(0, 1))
+PENALTY = 1e-10
+
+
+def conducting_bars(walls, gap, conductance=GROWING, cells=(4, 5), **more):
+    left = Box("a", (0, 0), (LENGTH, HEIGHT), (cells[0], 1))
+    right = Box("b", (LENGTH + gap, 0), (2 * LENGTH + gap, HEIGHT), (cells[1], 2))
+    common = {"poissons_ratio": 0.0, "reference_temperature": 20}
+    materials = (
+        Material(210e3, on="a", thermal_expansion=(12e-6, 0, 0), conductivity=0.05, **common),
+        Material(70e3, on="b", thermal_expansion=(23e-6, 0, 0), conductivity=0.2, **common),
+    )
+    contact = Contact("a.x1", against="b.x0", conductance=conductance, penalty_parameter=PENALTY)
+    given = {"solver": SolverSettings(errors="none"), "contact": (contact,), **more}
+    made = Scene(
+        kinematics="plane stress",
+        material=materials,
+        support=(
+            *(Support(side, {"x": 0.0}) for side in ("a.x0", "b.x1")),
+            *(Support(side, {"y": 0.0}) for side in ("a.y0", "b.y0")),
+        ),
+        heat=(Heat("a.x0", temperature=walls[0]), Heat("b.x1", temperature=walls[1])),
+        **given,
+    )
+    return made, boxes([left, right])
+
+
+def test_bars_that_press_the_more_the_better_they_conduct():
+    made, body = conducting_bars((120, 20), 0.05)
+    found = run(made, COMM, body)
+    assert found.passed, found.verdict
+    assert found.quantities["normal_force"] == pytest.approx(23.84157 * HEIGHT, rel=1e-6)
+    assert found.quantities["heat_flow"] == pytest.approx(-0.0393400 * HEIGHT, rel=1e-5)
+    assert found.checks["heat_balance"].value < 1e-6
+    assert not found.branches
+
+
+@pytest.mark.errors
+def test_errors_beside_heat_are_not_known():
+    made, body = conducting_bars((120, 20), 0.05, solver=SolverSettings())
+    found = run(made, COMM, body)
+    assert found.errors == {}
+    assert "temperatures that conduction finds" in " ".join(found.error_notes)
+
+
+def test_three_answers():
+    """Apart, barely touching, and pressed: the pressed one is told, all where these are asked."""
+    made, body = conducting_bars((20, 120), 0.24)
+    found = run(made, COMM, body)
+    assert found.quantities["normal_force"] == 0
+    assert len(found.branches) == 2
+    assert "It is not the only answer" in found.verdict
+    asked = replace(made, solver=replace(made.solver, branches=True))
+    every = run(asked, COMM, body).branches
+    forces = sorted(one.quantities["normal_force"] for one in every)
+    assert forces == pytest.approx([0, 0.292372 * HEIGHT, 7.182628 * HEIGHT], rel=1e-5)
+
+
+def test_a_conductance_that_is_a_number():
+    """Glued bars, whose temperatures are those of resistances in series, in any model."""
+    conductance = 0.002
+    made, body = conducting_bars((120, 20), 0.0, conductance)
+    (contact,) = made.contact
+    glued = replace(contact, contact="bonded", penalty_parameter="auto")
+    found = run(replace(made, contact=(glued,)), COMM, body)
+    flux = 100 / (LENGTH / 0.05 + LENGTH / 0.2 + 1 / conductance)
+    assert found.quantities["heat_flow"] == pytest.approx(-flux * HEIGHT, rel=1e-9)
+
+
+def test_friction_and_load_steps_beside_heat():
+    """Two bars that are heated, pressed and let go: the path's last answer is that without it."""
+    path = Path(time=(0, 1, 2), factor=(0, 1, 0.6))
+    made, body = conducting_bars((120, 20), 0.05, steps=Steps(times=(1, 2)))
+    rough = replace(made.contact[0], law="incremental", friction_coefficient=0.3)
+    heat = tuple(replace(one, path=path) for one in made.heat)
+    found = run(replace(made, contact=(rough,), heat=heat), COMM, body)
+    assert found.passed, found.verdict
+    colder, _ = conducting_bars((20 + 60, 20), 0.05)
+    alone = run(colder, COMM, body)
+    force = alone.quantities["normal_force"]
+    assert found.quantities["normal_force"] == pytest.approx(force, rel=1e-6)
+    assert found.steps[0].quantities["heat_flow"] == pytest.approx(-0.0393400 * HEIGHT, rel=1e-5)
+
+
+def test_load_steps_stay_on_their_branch():
+    """From the pressed answer, as loads go back to where the bars might stand apart as well."""
+    path = Path(time=(0, 1, 2), factor=(0, 1, 0.5))
+    made, body = conducting_bars((20, 220), 0.24, steps=Steps(times=(1, 2)))
+    heat = (made.heat[0], replace(made.heat[1], path=path))
+    made = replace(made, heat=heat)
+    whole = run(made, COMM, body)
+    assert whole.quantities["normal_force"] == pytest.approx(7.182628 * HEIGHT, rel=1e-5)
+
+
+def test_a_run_that_is_resumed_stays_on_its_branch(tmp_path):
+    """From the pressed answer to where the bars might stand apart as well."""
+    folder, times = COMM.bcast(tmp_path), (0.5, 1, 2)
+    path = Path(time=(0, 1, 2), factor=(0, 1, 0.5))
+    made, body = conducting_bars((20, 220), 0.24, steps=Steps(times=times))
+    made = replace(made, heat=(made.heat[0], replace(made.heat[1], path=path)))
+    begun = Run(replace(made, steps=Steps(times=times[:2])), COMM, body)
+    first = begun.solve(StateFile(folder, begun.problem))
+    rest = Run(made, COMM, body)
+    file = StateFile(folder, rest.problem)
+    found, whole = rest.solve(file, file.load()), run(made, COMM, body)
+    assert len(first.steps) == 2
+    for name in ("normal_force", "heat_flow", "max_temperature", "external_work"):
+        assert found.quantities[name] == pytest.approx(whole.quantities[name], rel=1e-6), name
+    assert found.quantities["normal_force"] == pytest.approx(7.182628 * HEIGHT, rel=1e-5)
+
+
+def test_what_is_refused():
+    made, body = conducting_bars((120, 20), 0.05)
+    with refused("conductance_without_heat"):
+        replace(made, heat=())
+    with refused("conductivity_is_missing"):
+        replace(made, material=(replace(made.material[0], conductivity=None), made.material[1]))
+    with refused("heat_beside_temperatures"):
+        replace(made, temperature=(Temperature(value=3),))
+    with refused("heat_in_full"):
+        replace(made, solver=SolverSettings(solver="full"))
+    with refused("no_temperature_of_a_body"):
+        run(replace(made, heat=made.heat[:1]), COMM, body)
