@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.sparse import bmat, csc_matrix, csr_matrix
-from scipy.sparse.linalg import splu
+from scipy.sparse import bmat, csr_matrix
 
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import mumps
@@ -88,7 +87,6 @@ class Conduction:
         self._numbers = [contacts.index(one.contact) for one in self.contacts]
         self.rise = np.zeros(len(spaces.coordinates))
         self._pressures = [np.zeros(len(one.contact.trace.weights)) for one in self.contacts]
-        self._opposite = [np.zeros(0)] * len(self.contacts)
         self._time = 0.0
         self._past: list[tuple[Array, Array]] = []
         self._solves = 0
@@ -210,7 +208,7 @@ class Conduction:
             one.weighted(one.conductances(pressure))
             for one, pressure in zip(self.contacts, pressures, strict=True)
         ]
-        whole: list[Array] | None = None
+        whole: Array | None = None
         error: FenicsContactError | None = None
         if self._comm.rank == 0:
             try:
@@ -218,14 +216,13 @@ class Conduction:
             except FenicsContactError as caught:
                 error = caught
         raise_together(self._comm, error)
-        every: list[Array] = from_root(self._comm, whole or [])
-        self._opposite = every[1:]
-        return np.asarray(every[0][self._bodies.numbers])
+        every: Array = from_root(self._comm, np.zeros(0) if whole is None else whole)
+        return np.asarray(every[self._bodies.numbers])
 
-    def _solve_whole(self, paired: Sequence[PairedHeat], weighted: Sequence[Array]) -> list[Array]:
-        """Rise of all nodes, and what is opposite at the slave's nodes of each contact."""
+    def _solve_whole(self, paired: Sequence[PairedHeat], weighted: Sequence[Array]) -> Array:
+        """Rise of all nodes."""
         bodies = self._bodies
-        matrix, sizes = _with_contacts(bodies.matrix, paired, weighted)
+        matrix = _with_contacts(bodies.matrix, paired, weighted)
         right = np.zeros(matrix.shape[0])
         right[: bodies.count] = bodies.taken_in(self._time)
         given, rise = bodies.given_at(self._time)
@@ -235,23 +232,26 @@ class Conduction:
         free[given] = False
         right = right - matrix @ values
         values[free] = _direct_solution(csr_matrix(matrix[free][:, free]), right[free])
-        ends = np.cumsum([bodies.count, *(2 * size for size in sizes)])
-        return [
-            values[: bodies.count],
-            *(values[end : end + size] for end, size in zip(ends, sizes, strict=False)),
-        ]
+        return values[: bodies.count]
+
+    @property
+    def _whole(self) -> Array:
+        """Rise of all nodes of all ranks, (nodes,); collective (temperature)."""
+        owned = slice(self._spaces.owned_nodes)
+        rows = np.column_stack([self._bodies.numbers, self.rise])[owned]
+        numbers, rise = gather_rows(self._comm, rows).T
+        return np.asarray(rise[np.argsort(numbers)])
 
     def steps(self) -> list[Array]:
         """Temperature opposite less the own one, at the points of each contact; collective.
 
         At this rank's points, 0 where no heat can cross (temperature).
         """
-        found = []
-        for one, opposite in zip(self.contacts, self._opposite, strict=True):
-            active, trace = one.paired.active, one.contact.trace
-            own = self.rise[trace.all_nodes]
-            whole = np.zeros(len(active))
-            whole[active] = opposite
+        found, every = [], self._whole
+        for one in self.contacts:
+            pair, trace = one.paired, one.contact.trace
+            own, whole = self.rise[trace.all_nodes], np.zeros(len(pair.active))
+            whole[pair.active] = pair.opposite(every)
             there = whole[trace.surface.numbers]
             step = trace.at_points((there - own)[:, None])[:, 0]
             found.append(np.where(one.faces, step, 0.0))
@@ -280,20 +280,17 @@ class Conduction:
         """
         across = self._across(states)
         bodies, comm = self._bodies, self._comm
-        owned = slice(self._spaces.owned_nodes)
-        rows = np.column_stack(
-            [bodies.numbers, self.rise, self._spaces.parts.of_node[: len(self.rise)]]
-        )
-        numbers, rise, parts = gather_rows(comm, rows[owned]).T
-        order = np.argsort(numbers)
-        left = bodies.matrix @ rise[order] - bodies.taken_in(self._time)
+        owned, rise = slice(self._spaces.owned_nodes), self._whole
+        rows = np.column_stack([bodies.numbers, self._spaces.parts.of_node])[owned]
+        numbers, parts = gather_rows(comm, rows).T
+        left = bodies.matrix @ rise - bodies.taken_in(self._time)
         given, _ = bodies.given_at(self._time)
         every = float(np.abs(left[given]).sum() + np.abs(bodies.taken_in(self._time)).sum())
         every += _NEGLIGIBLE * float((abs(bodies.matrix) @ np.abs(rise)).sum())
         if every == 0:
             return None
         left[given] = across[given] = 0.0
-        sums = np.bincount(parts[order].astype(np.int64), left - across)
+        sums = np.bincount(parts[np.argsort(numbers)].astype(np.int64), left - across)
         return float(np.abs(sums).max() / every)
 
     def _across(self, states: Sequence[ContactState]) -> Array:
@@ -304,16 +301,14 @@ class Conduction:
             conducted = one.weighted(one.conductances(states[number].contact_pressure) * step)
             onto_slave = pair.points.T @ conducted
             np.add.at(found, pair.slave, onto_slave)
-            if len(pair.slave):
-                multipliers = splu(csc_matrix(pair.mass.T)).solve(onto_slave)
-                np.add.at(found, pair.master, -(pair.coupling.T @ multipliers))
+            np.add.at(found, pair.master, -pair.onto_master(onto_slave))
         return found
 
 
 def _with_contacts(
     matrix: csr_matrix, paired: Sequence[PairedHeat], weighted: Sequence[Array]
-) -> tuple[csr_matrix, list[int]]:
-    """The matrix of conduction with contacts, and how many nodes of each slave take part.
+) -> csr_matrix:
+    """The matrix of conduction with contacts.
 
     Behind the rise of all nodes come, of each contact, what is opposite at its slave's nodes, and
     the multipliers of D τ = M T.
@@ -334,8 +329,7 @@ def _with_contacts(
         sides += [-conducted @ chosen, -pair.coupling @ _selection(pair.master, count)]
         corners += [conducted, pair.mass, csr_matrix((size, size))]
     if not sides:
-        return csr_matrix(whole), []
-    sizes = [len(pair.slave) for pair in paired]
+        return csr_matrix(whole)
     blocks = [[None] * (1 + len(sides)) for _ in range(1 + len(sides))]
     blocks[0][0] = whole
     for number, side in enumerate(sides, 1):
@@ -345,7 +339,7 @@ def _with_contacts(
         first = 1 + 2 * number
         blocks[first][first], blocks[first][first + 1] = conducted, mass.T
         blocks[first + 1][first], blocks[first + 1][first + 1] = mass, none
-    return csr_matrix(bmat(blocks)), sizes
+    return csr_matrix(bmat(blocks))
 
 
 def _selection(numbers: Integers, count: int) -> csr_matrix:

@@ -8,9 +8,11 @@ of its own at the slave's nodes, held by D τ = M T.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse.linalg import SuperLU, splu
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows
@@ -40,6 +42,30 @@ class PairedHeat:
     coupling: csr_matrix
     points: csr_matrix
     active: Flags
+
+    @cached_property
+    def _factor(self) -> SuperLU:
+        return splu(csc_matrix(self.mass))
+
+    def opposite(self, rise: Array) -> Array:
+        """What the slave's nodes face: D⁻¹ M T.
+
+        Args:
+            rise: T of all nodes (temperature).
+        """
+        if not len(self.slave):
+            return np.zeros(0)
+        return np.asarray(self._factor.solve(self.coupling @ rise[self.master]))
+
+    def onto_master(self, flows: Array) -> Array:
+        """Mᵀ D⁻ᵀ q, at the master's nodes.
+
+        Args:
+            flows: At the slave's nodes (power).
+        """
+        if not len(self.slave):
+            return np.zeros(len(self.master))
+        return np.asarray(self.coupling.T @ self._factor.solve(flows, "T"))
 
 
 class HeatOfContact:
