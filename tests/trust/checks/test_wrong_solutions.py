@@ -140,6 +140,8 @@ def punched():
 def ringed():
     """One sector of a hub on a shaft."""
     return sector()
+
+
 def heated():
     """Two bars that press on each other as they are warm, and conduct by that."""
     scene, body = conducting_bars((120, 20), 0.05)
