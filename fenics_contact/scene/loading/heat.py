@@ -90,5 +90,9 @@ class Conductance:
             raise ValueError("the pressures must increase from 0")
 
     def at(self, pressure: Array) -> Array:
-        """Conductance at contact pressures (stress)."""
+        """Conductance at contact pressures.
+
+        Args:
+            pressure: At points, (points,) (stress).
+        """
         return np.interp(pressure, self.pressures, self.values)
