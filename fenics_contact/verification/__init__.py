@@ -3,6 +3,8 @@
 A module of cases ends with tuples of them; the one below lists them all.
 """
 
+from fenics_contact.verification.calculix.beams import CALCULIX_BEAM_CASES
+from fenics_contact.verification.calculix.rings import CALCULIX_RING_CASES
 from fenics_contact.verification.case import Case, Finding, Outcome
 from fenics_contact.verification.memory_check import MEMORY_CASES
 from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
@@ -67,6 +69,8 @@ CASES: tuple[Case, ...] = (
     *SQUEAL_CASES,
     *MODES_CASES,
     *DAMPING_CASES,
+    *CALCULIX_BEAM_CASES,
+    *CALCULIX_RING_CASES,
     *MEMORY_CASES,
 )
 
