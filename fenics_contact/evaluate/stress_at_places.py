@@ -7,6 +7,8 @@ elements are of degree 2; at degree 1 each cell has one mean stress. So it is wi
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from ufl.core.expr import Expr
 
@@ -108,7 +110,11 @@ class StressAtPlaces:
 
     def strain(self) -> Array:
         """Strain of the problem's present displacement, (places, 3, 3), 0 outside."""
-        return self._values(NodalMean(self._problem, self._problem.elastic.total_strain()))
+        return self._values(self._strain)
+
+    @cached_property
+    def _strain(self) -> NodalMean:
+        return NodalMean(self._problem, self._problem.elastic.total_strain())
 
     def _values(self, tensor: NodalMean) -> Array:
         """A tensor at the places, (places, 3, 3), 0 outside; collective."""

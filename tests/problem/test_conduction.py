@@ -73,6 +73,14 @@ def test_a_flux_and_a_film():
     assert found.quantities["temperature_end"] == pytest.approx(2 * middle - at_film, rel=1e-9)
 
 
+def test_a_film_to_what_is_as_warm_as_the_reference():
+    """So that it takes nothing in, and lets out what comes: T₁ = T₀/(1 + h L/k)."""
+    film = Film(coefficient=0.001, temperature=0.0)
+    found = run(_wall(Heat("x0", temperature=80), Heat("x1", film=film)), COMM, _block())
+    end = 80 / (1 + 0.001 * LENGTH / CONDUCTIVITY)
+    assert found.quantities["temperature_end"] == pytest.approx(end, rel=1e-9)
+
+
 def test_heat_follows_its_path():
     path = Path(time=(0, 1, 2), factor=(0, 1, 0.25))
     made = _wall(

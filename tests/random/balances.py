@@ -235,7 +235,7 @@ class _Fields:
 
     def integral(self, density: ufl.core.expr.Expr, name: str) -> float:
         """Over a boundary."""
-        return self._scalar(self.weighted(density) * self.measure(name))
+        return self.scalar(self.weighted(density) * self.measure(name))
 
     def area(self, name: str) -> float:
         """Of a boundary."""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact import Result, Scene
+from fenics_contact.quantities.names import STRAIN_OF_POINTS
 from fenics_contact.quantities.table import has_true_value, measured_by
 from fenics_contact.results.quantities import measured_by_parameter
 from fenics_contact.scene.units.dimensions import Dimension
@@ -227,8 +228,13 @@ def _numbers(result: Result, factors: Factors, per_length: bool) -> Iterator[tup
     largest: dict[str, float] = {}
     for _, kind, _, bars in rows:
         largest[kind] = max(largest.get(kind, 0.0), _left(bars))
+    strains = [value for name, _, value, _ in rows if name.startswith(STRAIN_OF_POINTS)]
+    strained = max((abs(float(value)) for value in strains if value is not None), default=0.0)
+    of_stress = largest.get("stress", 0.0) / (sizes.get("stress", 0.0) or 1.0)
     for name, kind, value, bars in rows:
         least = _VALUE * sizes[kind]
+        if name.startswith(STRAIN_OF_POINTS):
+            least += of_stress * strained
         left = _left(bars) if bars else largest[kind]
         yield name, _Number(value, least + left)
         for source in _COMPARED:

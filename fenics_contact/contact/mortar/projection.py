@@ -266,7 +266,8 @@ class Projection:
     """
 
     def __init__(self, components: Sequence[NodalProjection]) -> None:
-        self.components, self.size = tuple(components), len(components)
+        self.components = tuple(components)
+        self.size = len(self.components)
 
     @classmethod
     def between(cls, integrals: MortarIntegrals, fixed: Flags, used: Flags) -> Projection:

@@ -105,19 +105,22 @@ class HeatOfBodies:
             numbers, first = np.unique(rows[:, 0].astype(np.int64), return_index=True)
             self.given.append(GivenRise(numbers, rows[first, 1], path))
             return ufl.Form([])
-        if heat.film is not None:
-            around = heat.film.coefficient * (heat.film.temperature - self._reference)
-            inward: Expr | float = around
-        else:
+        if heat.film is None:
             assert heat.flux is not None
             values = spaces.evaluate(heat.flux, nodes, f"{key}.flux")
-            inward = spaces.coefficient(values, nodes)
-        work = spaces.weight * inward * self._test * measure
-        self.flows.append(GivenFlow(self._nodal(form_cache.form(work)), path))
-        if heat.film is None:
+            self._take_in(spaces.coefficient(values, nodes), measure, path)
             return ufl.Form([])
-        film: ufl.Form = spaces.weight * heat.film.coefficient * trial * self._test * measure
+        coefficient = heat.film.coefficient
+        inward = coefficient * (heat.film.temperature - self._reference)
+        if inward != 0:
+            self._take_in(ufl.as_ufl(inward), measure, path)
+        film: ufl.Form = spaces.weight * coefficient * trial * self._test * measure
         return film
+
+    def _take_in(self, inward: Expr, measure: ufl.Measure, path: KeyedPath) -> None:
+        """Add what a boundary takes in, over area; collective."""
+        work = self._spaces.weight * inward * self._test * measure
+        self.flows.append(GivenFlow(self._nodal(form_cache.form(work)), path))
 
     def _whole(self, form: fem.Form) -> csr_matrix:
         """A matrix of all ranks, with the nodes' numbers over all of them; collective."""

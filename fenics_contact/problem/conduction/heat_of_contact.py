@@ -15,7 +15,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.common.parallel import gather_rows
+from fenics_contact.common.parallel import gather_rows, of_every_rank, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.kinematics import ContactKinematics
 from fenics_contact.contact.mortar.pairing import Pairing
@@ -114,11 +114,11 @@ class HeatOfContact:
         self.faces = self.contact.kinematics.reached & known
         own = self._own
         chosen = own[rows]
-        first = sum(comm.allgather(int(own.sum()))[: comm.rank])
+        first = sum(of_every_rank(comm, int(own.sum()))[: comm.rank])
         of_all = first + np.cumsum(own) - 1
         entries = np.column_stack([of_all[rows[chosen]], columns[chosen], shares[chosen]])
         row, column, share = gather_rows(comm, entries).T
-        count = int(comm.allreduce(int(own.sum())))
+        count = int(total(comm, int(own.sum())))
         places = row.astype(np.int64), column.astype(np.int64)
         return PairedHeat(
             slave=slave,

@@ -42,7 +42,9 @@ def displaced(contact, random):
     """Most points touch, and some slip."""
     into = contact.trace.normals_at_nodes
     jump = 0.02 * into + 0.01 * random.normal(size=into.shape)
-    contact.kinematics.move(contact.trace.surface.of_owners(jump) + contact.kinematics.motion_at_nodes)
+    contact.kinematics.move(
+        contact.trace.surface.of_owners(jump) + contact.kinematics.motion_at_nodes
+    )
     return contact.kinematics.tangential(contact.kinematics.jump_at_points())
 
 

@@ -80,7 +80,9 @@ def test_the_true_tangent_is_the_derivative_of_the_traction(name, law, mode):
     """Where the bound is held, and where it follows the pressure, also that of other points."""
     contact = rubbing(name, law)
     kinematics, friction = contact.kinematics, contact.friction
-    begin = kinematics.jump.x.array.reshape(-1, kinematics.direction.size) + kinematics.motion_at_nodes
+    begin = (
+        kinematics.jump.x.array.reshape(-1, kinematics.direction.size) + kinematics.motion_at_nodes
+    )
     place = contact.trace.surface.of_owners(random_like(begin, 3))
 
     def traction(step):

@@ -87,7 +87,9 @@ def test_tractions_are_derivatives_of_the_energy(name, dimension):
 def test_tangents_are_derivatives_of_tractions(name):
     contact = pressed(name)
     law, jump, kinematics = contact.normal, jump_of(contact), contact.kinematics
-    begin = kinematics.jump.x.array.reshape(-1, kinematics.direction.size) + kinematics.motion_at_nodes
+    begin = (
+        kinematics.jump.x.array.reshape(-1, kinematics.direction.size) + kinematics.motion_at_nodes
+    )
     place = contact.trace.surface.of_owners(random_like(begin, 3))
     way = contact.trace.at_points(place)
 
