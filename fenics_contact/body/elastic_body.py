@@ -36,7 +36,7 @@ from fenics_contact.body.coupled_face import (
 from fenics_contact.body.description import BodyDescription, Joint
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
-from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces
+from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces, ScalarForms
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.springs import springs_of
 from fenics_contact.body.supports import HeldDofs
@@ -121,7 +121,10 @@ class ElasticBody:
         self.stiffness = form_cache.form(stiffness)
         self.preloaded = self._place_preloads(description)
         self.heated = self._place_temperatures(description)
-        self.scalar_forces = [self._forces_of(part) for part in self._parts]
+        self._forms_of_parts = [self._forms_of(part) for part in self._parts]
+        self.scalar_forces: list[ScalarForces] = [
+            forms.assembled() for forms in self._forms_of_parts
+        ]
         self.faces = [
             CoupledFace(each, f"coupling[{number}]", spaces)
             for number, each in enumerate(description.couplings)
@@ -206,9 +209,12 @@ class ElasticBody:
         for number, part in enumerate(self.heated, first):
             if part.described.is_found:
                 part.follow(rise)
-                forces = self._forces_of(part)
+                forces = self._forms_of_parts[number].assembled()
                 self.scalar_forces[number] = forces
                 self.scalar_stiffness[number, number] = forces.stiffness
+        for tight in self.scalar_forces[:first]:
+            tight.others.clear()
+        self._couple_parts()
 
     @property
     def forces_of_heated(self) -> list[ScalarForces]:
@@ -264,7 +270,7 @@ class ElasticBody:
             found.append(part)
         return found
 
-    def _forces_of(self, part: PreloadedPart | HeatedPart) -> ScalarForces:
+    def _forms_of(self, part: PreloadedPart | HeatedPart) -> ScalarForms:
         """Slopes of the energy in a part, of the strain that is elastic."""
         scalar = ufl.variable(part.scalar)
         e = self.strain(self.displacement) - part.stressless_strain(scalar)
@@ -277,7 +283,7 @@ class ElasticBody:
             density = 0.5 * ufl.inner(self.law.deviatoric_stress(e), e) + mean_stress * ufl.tr(e)
         energy = self._spaces.weight * density, part.measure, scalar
         known = self._spaces, part.scalar
-        return ScalarForces.of(*known, energy, self.displacement, mean_stress)
+        return ScalarForms.of(*known, energy, self.displacement, mean_stress)
 
     def moduli_behind(self, nodes: NDArray[np.int32]) -> Moduli:
         """Moduli of the stiffest of the parts that nodes of this rank belong to; collective."""

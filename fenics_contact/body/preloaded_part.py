@@ -144,37 +144,6 @@ class ScalarForces:
     stiffness: float
     others: list[tuple[fem.Constant, float]]
 
-    @classmethod
-    def of(
-        cls,
-        spaces: Spaces,
-        present: fem.Constant,
-        energy: tuple[Expr, ufl.Measure, Expr],
-        displacement: fem.Function,
-        mean_stress: fem.Function | None,
-    ) -> ScalarForces:
-        """From the energy; collective.
-
-        Args:
-            spaces: Those of the body.
-            present: The present q.
-            energy: Its density, weighted, the measure, and q in the density, a UFL variable.
-            displacement: u in it.
-            mean_stress: s in it, or None.
-        """
-        density, measure, scalar = energy
-        force = ufl.diff(density, scalar) * measure
-        stiffness = ufl.diff(ufl.diff(density, scalar), scalar) * measure
-        nodal = spaces.assemble(form_cache.form(ufl.derivative(force, displacement)))
-        on_mean_stress, owned = np.zeros(0), 0
-        if mean_stress is not None:
-            found = fem.assemble_vector(form_cache.form(ufl.derivative(force, mean_stress)))
-            index_map = mean_stress.function_space.dofmap.index_map
-            on_mean_stress = summed_over_ranks(index_map, np.array(found.array))
-            owned = index_map.size_local
-        own = float(total(spaces.comm, fem.assemble_scalar(form_cache.form(stiffness))))
-        return cls(spaces, present, nodal, on_mean_stress, owned, own, [])
-
     def force(self, displacement: Array, mean_stress: Array) -> float:
         """∂W/∂q at the present q (force); collective.
 
@@ -192,6 +161,67 @@ class ScalarForces:
         """Take other scalars of the body into account, with their forces over these, (others,)."""
         known = zip(others, shares, strict=True)
         self.others.extend((one.present, float(share)) for one, share in known)
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarForms:
+    """Compiled forms of the second derivatives of the body's energy in a scalar q.
+
+    Attributes:
+        spaces: Those of the body.
+        present: The present q, a constant in UFL (length).
+        nodal: Of forces on the displacements over q.
+        on_mean_stress: Of those on a mean stress, None without one.
+        mean_stress: That, or None.
+        stiffness: Of ∂²W/∂q².
+    """
+
+    spaces: Spaces
+    present: fem.Constant
+    nodal: fem.Form
+    on_mean_stress: fem.Form | None
+    mean_stress: fem.Function | None
+    stiffness: fem.Form
+
+    @classmethod
+    def of(
+        cls,
+        spaces: Spaces,
+        present: fem.Constant,
+        energy: tuple[Expr, ufl.Measure, Expr],
+        displacement: fem.Function,
+        mean_stress: fem.Function | None,
+    ) -> ScalarForms:
+        """From the energy; collective.
+
+        Args:
+            spaces: Those of the body.
+            present: The present q.
+            energy: Its density, weighted, the measure, and q in the density, a UFL variable.
+            displacement: u in it.
+            mean_stress: s in it, or None.
+        """
+        density, measure, scalar = energy
+        force = ufl.diff(density, scalar) * measure
+        stiffness = ufl.diff(ufl.diff(density, scalar), scalar) * measure
+        on_mean_stress = None
+        if mean_stress is not None:
+            on_mean_stress = form_cache.form(ufl.derivative(force, mean_stress))
+        nodal = form_cache.form(ufl.derivative(force, displacement))
+        compiled = form_cache.form(stiffness)
+        return cls(spaces, present, nodal, on_mean_stress, mean_stress, compiled)
+
+    def assembled(self) -> ScalarForces:
+        """The derivatives with the present coefficients of the forms; collective."""
+        spaces, on_mean_stress, owned = self.spaces, np.zeros(0), 0
+        if self.on_mean_stress is not None and self.mean_stress is not None:
+            found = fem.assemble_vector(self.on_mean_stress)
+            index_map = self.mean_stress.function_space.dofmap.index_map
+            on_mean_stress = summed_over_ranks(index_map, np.array(found.array))
+            owned = index_map.size_local
+        nodal = spaces.assemble(self.nodal)
+        own = float(total(spaces.comm, fem.assemble_scalar(self.stiffness)))
+        return ScalarForces(spaces, self.present, nodal, on_mean_stress, owned, own, [])
 
 
 class PreloadedPart:

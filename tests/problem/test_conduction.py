@@ -14,14 +14,17 @@ from fenics_contact import (
     Material,
     Path,
     Point,
+    Preload,
     Run,
     Scene,
     SolverSettings,
     Steps,
+    Study,
     Support,
     Temperature,
     run,
 )
+from fenics_contact.simulation.sensitivities.scene_values import with_changes
 from fenics_contact.simulation.state_file import StateFile
 from fenics_contact.verification.boxes import Box, boxes
 from tests.messages import refused
@@ -229,6 +232,41 @@ def test_a_run_that_is_resumed_stays_on_its_branch(tmp_path):
     for name in ("normal_force", "heat_flow", "max_temperature", "external_work"):
         assert found.quantities[name] == pytest.approx(whole.quantities[name], rel=1e-6), name
     assert found.quantities["normal_force"] == pytest.approx(7.182628 * HEIGHT, rel=1e-5)
+
+
+def test_a_study_of_temperatures_keeps_its_body():
+    """Its answers are those of runs of the same values, in whichever way they are asked for."""
+    made, body = conducting_bars((120, 20), 0.05)
+    study = Study(made, COMM, conducting_bars((120, 20), 0.05)[1])
+    study.solve()
+    changes = {"heat.0.temperature": 150, "material.0.conductivity": 0.1}
+    asked, quick = study.solve(changes), study.quantities(changes)
+    alone = run(with_changes(made, changes), COMM, body)
+    assert study.factorisations == 1
+    for name in ("normal_force", "heat_flow", "strain_energy", "max_temperature"):
+        expected = pytest.approx(alone.quantities[name], rel=1e-9)
+        assert asked.quantities[name] == expected, name
+        assert quick.quantities[name] == expected, name
+
+
+def test_a_bolt_that_gets_warm_by_conduction():
+    """As by a temperature that is given: it is locked, and both ends become warmer by as much."""
+    body = box_body((6, 2), (LENGTH, HEIGHT))
+    path = Path(time=(1, 2), factor=(0, 1))
+    made = Scene(
+        kinematics="plane stress",
+        material=STEEL,
+        support=(Support("x0", {"x": 0.0, "y": 0.0}), Support("x1", {"x": 0.0})),
+        preload=(Preload("body", (1, 0), 3e4, locked_from=1),),
+        steps=Steps(times=(1, 2)),
+        solver=SolverSettings(solver="condensed", errors="none"),
+    )
+    warm = tuple(Heat(side, temperature=50, path=path) for side in ("x0", "x1"))
+    found = run(replace(made, heat=warm), COMM, body)
+    given = run(replace(made, temperature=(Temperature(value=50, path=path),)), COMM, body)
+    force = given.preloads["body"].force
+    assert found.preloads["body"].force == pytest.approx(force, rel=1e-9)
+    assert abs(force - 3e4) > 0.5 * 210e3 * 12e-6 * 50 * HEIGHT
 
 
 def test_what_is_refused():

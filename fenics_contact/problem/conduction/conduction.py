@@ -26,8 +26,8 @@ from fenics_contact.problem.conduction.heat_of_bodies import HeatOfBodies
 from fenics_contact.problem.conduction.heat_of_contact import HeatOfContact, PairedHeat
 from fenics_contact.scene.scene import Scene
 
-# Of the largest rise of temperature: by no more may it change from one solve to the next.
-_SAME = 1e-7
+# Of the largest conductance: by no more may any change from one solve to the next.
+_SAME = 1e-6
 _MOST_SOLVES = 60
 _NEGLIGIBLE = 1e-9  # of heat that would flow without a balance: below that none flows
 _DEPTH = 6  # earlier solves that Anderson's method combines
@@ -44,23 +44,6 @@ class HeatMemory:
 
     rise: Array
     pressures: list[Array]
-
-
-@dataclass(frozen=True, eq=False)
-class HeatOfStep:
-    """Where a load step has come to.
-
-    Attributes:
-        time: Its pseudo-time.
-        memory: Present temperatures and pressures.
-        past: Pressures before and after earlier solves.
-        solves: How many there were.
-    """
-
-    time: float
-    memory: HeatMemory
-    past: list[tuple[Array, Array]]
-    solves: int
 
 
 class Conduction:
@@ -116,16 +99,6 @@ class Conduction:
             return
         self.rise, self._pressures = memory.rise.copy(), [one.copy() for one in memory.pressures]
 
-    @property
-    def present(self) -> HeatOfStep:
-        """Where a load step has come to, to go on from after going back."""
-        return HeatOfStep(self._time, self.memory, [*self._past], self._solves)
-
-    def take(self, step: HeatOfStep) -> None:
-        """Go on from where a load step had come to."""
-        self.recall(step.memory)
-        self._time, self._past, self._solves = step.time, step.past, step.solves
-
     def begin(self, time: float) -> None:
         """Find the temperatures of a pseudo-time with the pressures there are; collective."""
         self._time, self._past, self._solves = time, [], 0
@@ -159,21 +132,31 @@ class Conduction:
             NotConvergedError: They have changed for too long.
         """
         found = [state.contact_pressure for state in self.states_of(states)]
-        ahead = self._solved(found)
-        size = largest(self._comm, np.abs(ahead))
-        change = largest(self._comm, np.abs(ahead - self.rise))
+        change = self._change_to(found)
         self._solves += 1
-        if change <= _SAME * size:
+        if change <= _SAME:
             return False
         if self._solves >= _MOST_SOLVES:
             raise NotConvergedError(
                 f"time {self._time:g}: temperatures and contact pressures have not settled in "
-                f"{_MOST_SOLVES} solves; temperatures still change by {change:.3g}",
+                f"{_MOST_SOLVES} solves; conductances still change by {change:.2g} of the largest",
                 (),
             )
         self._pressures = self._accelerated(found)
         self.rise = self._solved(self._pressures)
         return True
+
+    def _change_to(self, pressures: Sequence[Array]) -> float:
+        """Change of the conductances to those of other pressures, over the largest; collective."""
+        rows = [
+            (one.conductances(before)[one.faces], one.conductances(after)[one.faces])
+            for one, before, after in zip(self.contacts, self._pressures, pressures, strict=True)
+        ]
+        every = np.concatenate([np.zeros(0), *(after for _, after in rows)])
+        changes = np.concatenate([np.zeros(0), *(after - before for before, after in rows)])
+        size = largest(self._comm, every)
+        change = largest(self._comm, np.abs(changes))
+        return change / size if size > 0 else float(change > 0)
 
     def states_of(self, states: Sequence[ContactState]) -> list[ContactState]:
         """Those of the contacts that conduct, of the states of all."""

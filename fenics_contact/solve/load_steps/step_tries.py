@@ -100,11 +100,16 @@ class StepRollback:
 
     def go_back(self) -> None:
         """To the last accepted step as it was solved, or to none; collective."""
+        conduction = self.problem.conduction
+        if conduction is not None:
+            conduction.recall(None if self.last is None else self.last.heat)
+            self._follow_temperature()
+        self._go_back()
+
+    def _go_back(self) -> None:
+        """The same at the temperatures that there are; collective."""
         problem = self.problem
         self._has_moved_on = False
-        if problem.conduction is not None:
-            problem.conduction.recall(None if self.last is None else self.last.heat)
-            self._follow_temperature()
         if self.last is None:
             self._recall(self._untouched)
             return
@@ -194,11 +199,9 @@ class StepTries(StepRollback):
         steps = found.newton_iterations
         while conduction.follow(found.states):
             logger.debug("  time %g: temperatures follow the contact pressures", time)
-            present, temperatures = self._present(time), conduction.present
-            self.go_back()
-            conduction.take(temperatures)
+            self._near = self._present(time)
+            self._go_back()
             self._follow_temperature()
-            self._near = present
             found = self._try_at_temperatures(time)
             steps += found.newton_iterations
         self._near = None
@@ -250,7 +253,7 @@ class StepTries(StepRollback):
             else:
                 if not system.take_in_closed():
                     return found
-            self.go_back()
+            self._go_back()
 
     def _try_by_turns(self, time: float) -> Solution | None:
         """Solve a step that no other way solves, with points that close by turns; collective.
@@ -293,7 +296,7 @@ class StepTries(StepRollback):
             if predicted is None:
                 raise
             logger.debug("  %s; next: from the last load step, or from the start", error)
-        self.go_back()
+        self._go_back()
         self._begin(time, None)
         return self._solve()
 
@@ -313,7 +316,7 @@ class StepTries(StepRollback):
             found = None
         if found is None:
             self._warm = None
-            self.go_back()
+            self._go_back()
         else:
             self.warm_steps += 1
         return found
@@ -365,5 +368,5 @@ class StepTries(StepRollback):
             contact.friction_term.follow_pressure()
         newton.take_steps(1)
         found = self._present(time)
-        self.go_back()
+        self._go_back()
         return found
