@@ -200,21 +200,6 @@ class Units:
                     f"{key} = {getattr(self, key)!r}: must be a unit of {key}, such as '{example}'"
                 ) from None
 
-    def require_scale(self, unit: str) -> None:
-        """Refuse a temperature on the other scale, whose zero is another one.
-
-        Args:
-            unit: Of the temperature.
-
-        Raises:
-            UnknownUnitError: It is in K where temperatures are in °C, or the other way round.
-        """
-        other = {"K": "°C", "°C": "K"}[self.temperature]
-        if symbol(unit) in (other, f"Δ{other}"):
-            raise UnknownUnitError(
-                f"temperatures of the scene are in {self.temperature}, by units.temperature"
-            )
-
     def names(self, per_unit_thickness: bool = False) -> UnitNames:
         """Return the names of these units and of those that follow from them.
 
@@ -274,6 +259,21 @@ def _require_mm_of_step_files(scene: Any, units: Units) -> None:
             f"units.length = {units.length!r}: '{files[0]}' is read in mm, as every STEP file is, "
             "so that length must be 'mm'"
         )
+
+
+def _require_scale(scale: str, unit: str) -> None:
+    """Refuse a temperature on the other scale, whose zero is another one.
+
+    Args:
+        scale: Of the scene, ``K`` or ``°C``.
+        unit: Of the temperature.
+
+    Raises:
+        UnknownUnitError: It is in K where temperatures are in °C, or the other way round.
+    """
+    other = {"K": "°C", "°C": "K"}[scale]
+    if symbol(unit) in (other, f"Δ{other}"):
+        raise UnknownUnitError(f"temperatures of the scene are in {scale}, by units.temperature")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -353,7 +353,7 @@ class _Conversion:
         try:
             number, unit = parts_of(text)
             if dimension.powers == TEMPERATURE.powers:
-                self.units.require_scale(unit)
+                _require_scale(self.units.temperature, unit)
             value = float(number * factor(unit, self.units.length, self.units.force, powers))
         except UnknownUnitError as error:
             name = self.units.names(self.per_unit_thickness).of(dimension.words)
