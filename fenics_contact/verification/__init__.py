@@ -35,6 +35,7 @@ from fenics_contact.verification.published.torque import (
     TORQUE_CASES,
 )
 from fenics_contact.verification.published.vibration import DAMPING_CASES, MODES_CASES
+from fenics_contact.verification.thermal.heat import HEAT_CASES
 from fenics_contact.verification.thermal.temperatures import TEMPERATURE_CASES
 
 CASES: tuple[Case, ...] = (
@@ -62,6 +63,7 @@ CASES: tuple[Case, ...] = (
     *COUPLING_CASES,
     *ROTOR_CASES,
     *TEMPERATURE_CASES,
+    *HEAT_CASES,
     *WEAR_CASES,
     *WEAR_LIMIT_CASES,
     *FRETTING_CASES,

@@ -2,13 +2,10 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from mpi4py import MPI
 
 from fenics_contact import (
-    Conductance,
-    Contact,
     Film,
     Heat,
     Material,
@@ -26,12 +23,12 @@ from fenics_contact import (
 )
 from fenics_contact.simulation.sensitivities.scene_values import with_changes
 from fenics_contact.simulation.state_file import StateFile
-from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.thermal.heat import HEIGHT, LENGTH, flux, pressures
+from fenics_contact.verification.thermal.heat import bars as conducting_bars
 from tests.messages import refused
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
-LENGTH, HEIGHT = 100.0, 10.0
 CONDUCTIVITY = 0.05
 STEEL = Material(210e3, 0.3, thermal_expansion=12e-6, conductivity=CONDUCTIVITY)
 ALONG = replace(STEEL, thermal_expansion=(12e-6, 0, 0))
@@ -97,59 +94,6 @@ def test_heat_follows_its_path():
     assert middles == pytest.approx([60, 30], rel=1e-9)
 
 
-def test_a_pipe_that_is_hot_inside():
-    """Hoop stress at the bore and the rim of a long pipe.
-
-    S. P. Timoshenko and J. N. Goodier, Theory of Elasticity, article 151.
-    """
-    inner, outer, rise = 20.0, 40.0, 60.0
-    made = Scene(
-        kinematics="axisymmetric",
-        material=STEEL,
-        support=(Support("pipe.y0", {"y": 0.0}), Support("pipe.y1", {"y": 0.0})),
-        heat=(Heat("pipe.x0", temperature=rise), Heat("pipe.x1", temperature=0)),
-        point=(Point("bore", (inner, 1.0)), Point("rim", (outer, 1.0)), Point("in", (30.0, 1.0))),
-        solver=SolverSettings(errors="none"),
-    )
-    found = run(made, COMM, boxes([Box("pipe", (inner, 0), (outer, 2), (24, 2))]))
-    ratio, squares = np.log(outer / inner), outer**2 / (outer**2 - inner**2)
-    size = 210e3 * 12e-6 * rise / (2 * (1 - 0.3) * ratio)
-    bore, rim = size * (1 - 2 * squares * ratio), size * (1 - 2 * (squares - 1) * ratio)
-    assert found.quantities["stress_bore_zz"] == pytest.approx(bore, rel=0.01)
-    assert found.quantities["stress_rim_zz"] == pytest.approx(rim, rel=0.01)
-    within = rise * np.log(outer / 30) / ratio
-    assert found.quantities["temperature_in"] == pytest.approx(within, rel=1e-5)
-
-
-# Two bars between walls, unstressed at 20 °C, that touch as they expand along x: by the flux q and
-# the pressure p, q = (T₀ − T₁)/(L/k + L/k' + 1/h) and p (L/E + L/E') = α L θ + α' L θ' − gap.
-GROWING = Conductance(pressures=(0, 1000), values=(0, 1))
-PENALTY = 1e-10
-
-
-def conducting_bars(walls, gap, conductance=GROWING, cells=(4, 5), **more):
-    left = Box("a", (0, 0), (LENGTH, HEIGHT), (cells[0], 1))
-    right = Box("b", (LENGTH + gap, 0), (2 * LENGTH + gap, HEIGHT), (cells[1], 2))
-    common = {"poissons_ratio": 0.0, "reference_temperature": 20}
-    materials = (
-        Material(210e3, on="a", thermal_expansion=(12e-6, 0, 0), conductivity=0.05, **common),
-        Material(70e3, on="b", thermal_expansion=(23e-6, 0, 0), conductivity=0.2, **common),
-    )
-    contact = Contact("a.x1", against="b.x0", conductance=conductance, penalty_parameter=PENALTY)
-    given = {"solver": SolverSettings(errors="none"), "contact": (contact,), **more}
-    made = Scene(
-        kinematics="plane stress",
-        material=materials,
-        support=(
-            *(Support(side, {"x": 0.0}) for side in ("a.x0", "b.x1")),
-            *(Support(side, {"y": 0.0}) for side in ("a.y0", "b.y0")),
-        ),
-        heat=(Heat("a.x0", temperature=walls[0]), Heat("b.x1", temperature=walls[1])),
-        **given,
-    )
-    return made, boxes([left, right])
-
-
 def test_bars_that_press_the_more_the_better_they_conduct():
     made, body = conducting_bars((120, 20), 0.05)
     found = run(made, COMM, body)
@@ -188,8 +132,15 @@ def test_a_conductance_that_is_a_number():
     (contact,) = made.contact
     glued = replace(contact, contact="bonded", penalty_parameter="auto")
     found = run(replace(made, contact=(glued,)), COMM, body)
-    flux = 100 / (LENGTH / 0.05 + LENGTH / 0.2 + 1 / conductance)
-    assert found.quantities["heat_flow"] == pytest.approx(-flux * HEIGHT, rel=1e-9)
+    flow = -flux((120, 20), conductance) * HEIGHT
+    assert found.quantities["heat_flow"] == pytest.approx(flow, rel=1e-9)
+
+
+def test_the_formula_of_the_bars():
+    """Numbers that were worked out apart from it: one answer, or two beside that of bars apart."""
+    assert pressures((120, 20), 0.05) == pytest.approx([23.84157], rel=1e-6)
+    assert flux((120, 20), 23.84157e-3) == pytest.approx(0.0393400, rel=1e-5)
+    assert pressures((20, 120), 0.24) == pytest.approx([0.292372, 7.182628], rel=1e-6)
 
 
 def test_friction_and_load_steps_beside_heat():

@@ -270,6 +270,7 @@ def test_fits_and_joints(name):
         "torque",
         pytest.param("temperature", marks=pytest.mark.errors),
         "temperature_joint",
+        "heat",
     ],
 )
 def test_two_bodies(name):

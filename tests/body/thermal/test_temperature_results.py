@@ -158,14 +158,16 @@ def test_a_material_by_name_expands():
     assert "thermal_expansion" not in replace(made, thermal_expansion=1e-6).by_name
 
 
-def test_a_free_block_in_a_field_of_its_own(folder):
-    """Also where the file has no z, so that the field does not change along it."""
+def test_a_field_without_a_z_does_not_change_along_it(folder):
+    """Of what expands along x alone the end moves by ∫ α ΔT dx, without stress."""
     file = _written(folder, "field.csv", lambda x: 20 + 10 * x[0])
     made = scene(
         "3D",
         Temperature("body", file=file),
+        material=Material(E, 0.3, thermal_expansion=(ALPHA, 0, 0), reference_temperature=20),
         support=held_as_needed("3D"),
-        point=(Point("end", (3.0, 0.0, 0.0)),),
+        point=(Point("end", (3.0, 2.0, 1.0)),),
     )
     found = run(made, COMM, block("3D", CELLS["3D"][0]))
-    assert found.quantities["displacement_end"][0] == pytest.approx(ALPHA * 10 * 4.5, rel=0.2)
+    moved = [ALPHA * 10 * 3.0**2 / 2, 0, 0]
+    assert found.quantities["displacement_end"] == pytest.approx(moved, rel=1e-9, abs=1e-12)

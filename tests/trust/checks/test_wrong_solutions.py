@@ -34,11 +34,11 @@ from fenics_contact.simulation import verdict
 from fenics_contact.trust.comparison import balance, worst_of
 from fenics_contact.trust.run_checks import all_checks
 from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.thermal.heat import bars as conducting_bars
 from tests.contact.shuffled import Shuffled
 from tests.preload.joints import joint
 from tests.preload.test_joint import scene as bolted_joint
 from tests.problem.sectors import sector
-from tests.problem.test_conduction import conducting_bars
 from tests.problem.test_couplings import block as divided
 from tests.problem.test_couplings import punch
 from tests.report.page.pages import page_of
