@@ -218,7 +218,7 @@ class ElasticBody:
 
     @property
     def forces_of_heated(self) -> list[ScalarForces]:
-        """What a unit of the expansion of each heated part does to the body."""
+        """Forces on the body by a unit of the thermal expansion of each heated part."""
         first = len(self.preloaded)
         return self.scalar_forces[first : first + len(self.heated)]
 
@@ -229,7 +229,7 @@ class ElasticBody:
 
     @property
     def of_points(self) -> list[ScalarForces]:
-        """What forces of points, and each way in which these move, do to the body."""
+        """Forces on the body by units of the motions and of the forces of coupled points."""
         return self.scalar_forces[len(self._parts) :]
 
     def _place_preloads(self, description: BodyDescription) -> list[PreloadedPart]:

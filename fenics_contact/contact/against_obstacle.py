@@ -147,7 +147,7 @@ class ObstacleKinematics(ContactKinematics):
         return np.where(self._left_out, 0.0, slope(gap, obstacle.number(name, axis)))
 
     def gap_slopes_of_motion(self, axis: int) -> Array:
-        """Slopes of the gap in a component of the obstacle's motion, likewise.
+        """Slopes of the gap at the points in a component of the obstacle's motion, (points,).
 
         Args:
             axis: Of the displacement; behind these comes the angle.

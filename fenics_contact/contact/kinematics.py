@@ -314,7 +314,7 @@ class ContactKinematics(ABC):
 
     @property
     def motion(self) -> Array:
-        """The same, and the angle that it has turned by, (components + 1,) (length, radian)."""
+        """Displacement of the obstacle, then its angle, (components + 1,) (length, radian)."""
         return np.append(self.translation, self.angle)
 
     def field(self, motion: Array) -> Array:
@@ -335,7 +335,7 @@ class ContactKinematics(ABC):
 
     @property
     def motion_at_nodes(self) -> Array:
-        """The same at all nodes of the surface, (nodes, components) (length)."""
+        """Displacement of the obstacle at all nodes of the surface, (nodes, components) (length)."""
         return np.asarray(self.translation + self.angle * self.turned_nodes + self.beyond_shape)
 
     @property

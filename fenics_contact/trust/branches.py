@@ -68,7 +68,7 @@ def other_solutions(load_steps: LoadSteps) -> Iterator[tuple[str, Solution | Non
     """
     assert load_steps.last is not None
     newton, problem = load_steps.newton, load_steps.problem
-    known = [load_steps.last.solution]
+    known = [load_steps.last.solution.displacement]
     try:
         for start in starts(problem.spaces.components):
             if not _is_along(problem, start):
@@ -83,8 +83,8 @@ def other_solutions(load_steps: LoadSteps) -> Iterator[tuple[str, Solution | Non
                 yield start.name, None
                 continue
             found = newton.solution(0, f"Newton's method, from the start '{start.name}'")
-            if not any(_is_same(problem, found, other) for other in known):
-                known.append(found)
+            if not any(is_same(problem, found.displacement, other) for other in known):
+                known.append(found.displacement)
                 yield start.name, found
     finally:
         load_steps.go_back()
@@ -105,10 +105,17 @@ def _everywhere(contact: ContactSurface, way: tuple[float, ...]) -> Array:
     return np.tile(way, (len(contact.trace.weights), 1))
 
 
-def _is_same(problem: Problem, one: Solution, other: Solution) -> bool:
-    size = largest(problem.comm, np.abs(other.displacement).ravel())
-    apart = largest(problem.comm, np.abs(one.displacement - other.displacement).ravel())
-    return apart <= _SAME * size
+def is_same(problem: Problem, one: Array, other: Array, share: float = _SAME) -> bool:
+    """Whether the displacements of two answers are those of the same one; collective.
+
+    Args:
+        problem: Of both.
+        one: At the nodes of this rank, (nodes, components) (length).
+        other: Likewise.
+        share: Of the largest one, by which they may differ.
+    """
+    size = largest(problem.comm, np.abs(other).ravel())
+    return largest(problem.comm, np.abs(one - other).ravel()) <= share * size
 
 
 def _begin(load_steps: LoadSteps, start: Start) -> None:

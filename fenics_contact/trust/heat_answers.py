@@ -12,16 +12,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
-from fenics_contact.common.parallel import largest
-from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
+from fenics_contact.trust.branches import is_same
 
 logger = logging.getLogger(__name__)
 
-# Two answers are the same if displacements differ by no more than this, over the largest.
+# Of the largest displacement, by which answers may differ that are the same: temperatures settle
+# less closely than a load step is solved.
 _SAME = 1e-5
 # Of the highest pressure: where the search for the turning pressure begins; and how long it goes.
 _LOWEST, _HALVINGS = 1e-6, 16
@@ -51,7 +50,7 @@ def other_temperatures(load_steps: LoadSteps) -> Iterator[tuple[str, Solution | 
             found = _solved(load_steps, last.time, asked)
             if found is None:
                 yield start, None
-            elif not any(_is_same(problem, found.displacement, other) for other in known):
+            elif not any(is_same(problem, found.displacement, other, _SAME) for other in known):
                 known.append(found.displacement)
                 yield start, found
             if not problem.scene.solver.branches or len(known) == place + 1:
@@ -99,10 +98,3 @@ def _solved(load_steps: LoadSteps, time: float, pressure: float) -> Solution | N
         return None
     found.find_body()
     return found
-
-
-def _is_same(problem: Problem, one: Array, other: Array) -> bool:
-    """Whether two displacements are those of the same answer; collective."""
-    size = largest(problem.comm, np.abs(other).ravel())
-    apart = largest(problem.comm, np.abs(one - other).ravel())
-    return apart <= _SAME * size

@@ -1,1 +1,1 @@
-"""What temperatures do to a body: parts of it expand, by fields that are given."""
+"""Thermal strains of a body: by temperatures that are given, or that conduction has found."""

@@ -78,7 +78,7 @@ class HeatedPart:
 
     @property
     def strain_across(self) -> Expr:
-        """By how much heat alone strains the part across the plane, 0 outside of it."""
+        """Thermal strain across the plane of a plane model, 0 outside of the part."""
         return self.scalar / self.spaces.size * self._field * float(self.described.axes[2])
 
     def follow(self, rise: Array) -> None:

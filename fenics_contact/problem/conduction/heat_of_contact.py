@@ -90,7 +90,7 @@ class HeatOfContact:
 
     @property
     def paired(self) -> PairedHeat:
-        """The pair as it is paired at present; collective where it was paired anew."""
+        """Both surfaces as they face each other at present; collective where that has changed."""
         kinematics: ContactKinematics = self.contact.kinematics
         if self._found is None or kinematics.paired_at is not self._paired_at:
             self._paired_at = kinematics.paired_at

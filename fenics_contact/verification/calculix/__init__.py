@@ -1,1 +1,1 @@
-"""Inputs of CalculiX's own tests, said as scenes, beside the results that stand with them."""
+"""Problems of CalculiX's own tests as scenes, against the results that CalculiX states."""
