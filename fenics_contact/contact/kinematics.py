@@ -335,7 +335,7 @@ class ContactKinematics(ABC):
 
     @property
     def motion_at_nodes(self) -> Array:
-        """Displacement of the obstacle at the nodes of the surface, (nodes, components) (length)."""
+        """Displacement of the obstacle at the surface's nodes, (nodes, components) (length)."""
         return np.asarray(self.translation + self.angle * self.turned_nodes + self.beyond_shape)
 
     @property
