@@ -34,6 +34,7 @@ COMM = MPI.COMM_WORLD
 
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config):
+    gc.disable()  # until all is imported, of which nothing is garbage
     if COMM.rank > 0:  # one rank reports
         reporter = config.pluginmanager.getplugin("terminalreporter")
         config.pluginmanager.unregister(reporter)
@@ -138,8 +139,8 @@ def cases_for_two_ranks(items, share):
 
 def pytest_collection_finish(session):
     """All that is imported by now stays: garbage is not looked for in it again and again."""
-    gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 def pytest_runtest_logreport(report):

@@ -1,6 +1,7 @@
 """docs/troubleshooting.md says what the program says: every message it quotes is in the source."""
 
 import ast
+import functools
 import re
 
 import pytest
@@ -14,10 +15,6 @@ pytestmark = pytest.mark.skipif(MPI.COMM_WORLD.rank > 0, reason="of texts; one r
 
 PAGE = (ROOT / "docs" / "troubleshooting.md").read_text(encoding="utf-8")
 PACKAGE = ROOT / "fenics_contact"
-TREES = {
-    path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
-    for path in sorted(PACKAGE.rglob("*.py"))
-}
 # Errors of which every message has its line; those of input say themselves what is accepted, and
 # have lines where they are not of scenes and meshes.
 EXPLAINED = ("NoEquilibriumError", "NotConvergedError", "MachineError", "_StalledError")
@@ -54,16 +51,27 @@ NOT_OF_SCENES = {
 HOLE = "…"
 
 
-# Texts that messages share.
-SHARED = {
-    statement.targets[0].id: statement.value.value
-    for tree in TREES.values()
-    for statement in tree.body
-    if isinstance(statement, ast.Assign)
-    and isinstance(statement.targets[0], ast.Name)
-    and isinstance(statement.value, ast.Constant)
-    and isinstance(statement.value.value, str)
-}
+@functools.cache
+def trees():
+    """All sources, parsed by the first test that asks: every run collects this file."""
+    return {
+        path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text(encoding="utf-8"))
+        for path in sorted(PACKAGE.rglob("*.py"))
+    }
+
+
+@functools.cache
+def shared():
+    """Texts that messages share."""
+    return {
+        statement.targets[0].id: statement.value.value
+        for tree in trees().values()
+        for statement in tree.body
+        if isinstance(statement, ast.Assign)
+        and isinstance(statement.targets[0], ast.Name)
+        and isinstance(statement.value, ast.Constant)
+        and isinstance(statement.value.value, str)
+    }
 
 
 def text_of(node):
@@ -73,13 +81,13 @@ def text_of(node):
     if isinstance(node, ast.JoinedStr):
         return "".join(text_of(part) or HOLE for part in node.values)
     if isinstance(node, ast.FormattedValue) and isinstance(node.value, ast.Name):
-        return SHARED.get(node.value.id)
+        return shared().get(node.value.id)
     return None
 
 
 def texts():
     """All texts of the sources."""
-    found = {text_of(node) for tree in TREES.values() for node in ast.walk(tree)}
+    found = {text_of(node) for tree in trees().values() for node in ast.walk(tree)}
     spoken = (ROOT / "bootstrap").read_text(encoding="utf-8").splitlines()
     return {text for text in found if text} | set(spoken)
 
@@ -112,7 +120,7 @@ def test_every_message_of_the_page_is_one_of_the_program():
 
 def messages_of(*errors):
     """Texts with which errors are made."""
-    for name, tree in TREES.items():
+    for name, tree in trees().items():
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") in errors and node.args:
                 text = text_of(node.args[0])
@@ -134,7 +142,7 @@ def test_refusals_and_failures_are_all_on_the_page():
 def test_doubts_are_all_on_the_page():
     """Sentences that a verdict adds: texts of functions that return them."""
     functions = [
-        node for node in TREES["simulation/verdict.py"].body if isinstance(node, ast.FunctionDef)
+        node for node in trees()["simulation/verdict.py"].body if isinstance(node, ast.FunctionDef)
     ]
     after_docstrings = [part for function in functions for part in function.body[1:]]
     found = {text_of(node) for part in after_docstrings for node in ast.walk(part)}
@@ -147,12 +155,12 @@ def test_doubts_are_all_on_the_page():
 def test_every_check_and_exit_code_has_its_line():
     added = [
         node.value
-        for node in ast.walk(TREES["simulation/step_history.py"])
+        for node in ast.walk(trees()["simulation/step_history.py"])
         if isinstance(node, ast.AugAssign) and getattr(node.target, "id", "") == "checks"
     ]
     checks = [
         key.value
-        for part in (TREES["trust/run_checks.py"], *added)
+        for part in (trees()["trust/run_checks.py"], *added)
         for entries in ast.walk(part)
         if isinstance(entries, ast.Dict)
         for key in entries.keys

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize, special  # not `stats`, which takes a second to import
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.results.fit_record import FittedParameter
@@ -137,17 +137,22 @@ def _half_width(noise: float, shift: float, freedom: int | None) -> float:
     >>> round(_half_width(1.0, 0.0, None), 3), round(_half_width(1e-9, 1.0, None), 3)
     (1.96, 1.0)
     """
-    spread = stats.norm() if freedom is None else stats.t(freedom)
     if noise <= 1e-12 * shift:
         return shift
     if noise == 0.0:
         return 0.0
     off = shift / noise
 
-    def excess(width: float) -> float:
-        return float(spread.cdf(width - off) - spread.cdf(-width - off)) - CONFIDENCE
+    def below(value: float) -> float:
+        return float(special.ndtr(value) if freedom is None else special.stdtr(freedom, value))
 
-    widest = off + float(spread.ppf(0.5 + CONFIDENCE / 2))
+    def excess(width: float) -> float:
+        return below(width - off) - below(-width - off) - CONFIDENCE
+
+    level = 0.5 + CONFIDENCE / 2
+    widest = off + float(
+        special.ndtri(level) if freedom is None else special.stdtrit(freedom, level)
+    )
     if math.isinf(widest):
         return math.inf
     return noise * float(optimize.brentq(excess, 0.0, widest * (1 + 1e-9)))
@@ -248,7 +253,7 @@ def _at_bounds(parameters: Mapping[str, FittedParameter]) -> Iterator[str]:
 
 
 def _misfit(misfit: float | None, free: int) -> Iterator[str]:
-    if misfit is not None and stats.chi2.sf(misfit * free, free) < _UNLIKELY:
+    if misfit is not None and special.chdtrc(free, misfit * free) < _UNLIKELY:
         yield (
             f"Run and data are further apart than the uncertainties say ({misfit:.3g} times in "
             "squares): the model lacks something, or the uncertainties are too small; so are then "
