@@ -1,6 +1,8 @@
-"""The headers of a compiled form, read by the C compiler once and not for every form.
+"""How tests have forms compiled: quickly, as each is used for a few cells only.
 
-It takes what it has kept where that was made with the same options; else it reads the headers.
+GCC reads the headers of a form once and keeps them compiled; it takes these where they were made
+with the same options. The Tiny C Compiler (``CC=tcc``) reads them in no time, and takes a fifth of
+GCC's time for a form.
 """
 
 from __future__ import annotations
@@ -17,6 +19,9 @@ import ffcx.codegeneration
 
 # Without optimisation, without what debuggers need, without warnings.
 QUICKLY = ("-O0", "-g0", "-w")
+# The Tiny C Compiler has no complex numbers. Forms of real numbers name them only in types of
+# pointers, which may then be pointers to real ones.
+_TINY = ("-U__STDC_NO_COMPLEX__", "-D_Complex=")
 # What cffi defines and includes before and around a form.
 _TEXT = """\
 #define _CFFI_
@@ -30,6 +35,16 @@ _TEXT = """\
 #include <string.h>
 #include <ufcx.h>
 """
+
+
+def is_tiny() -> bool:
+    """Whether the C compiler is the Tiny C Compiler."""
+    return Path(os.environ.get("CC", "").strip()).name == "tcc"
+
+
+def options() -> list[str]:
+    """What the C compiler is told for each form."""
+    return [*QUICKLY, *(_TINY if is_tiny() else ("-include", str(compiled())))]
 
 
 def compiled() -> Path:

@@ -210,8 +210,8 @@ def _pdfs_quickly(request, monkeypatch):
 def _forms_compiled_quickly(tmp_path_factory):
     """The C compiler does not optimise forms: small meshes never give back the time it takes.
 
-    Nor does it read Python's headers again for each of them, and what a process has loaded it does
-    not look for again.
+    Nor does it read Python's headers again for each of them (``compiled_headers``), and what a
+    process has loaded it does not look for again.
 
     A file for dolfinx says so, hence programs that tests start find it too. Its cache holds these
     forms beside those of users, for the compiler's options are part of a form's name. And
@@ -220,8 +220,7 @@ def _forms_compiled_quickly(tmp_path_factory):
     config = tmp_path_factory.mktemp("config")
     options = config / "dolfinx" / "dolfinx_jit_options.json"
     options.parent.mkdir()
-    arguments = [*compiled_headers.QUICKLY, "-include", str(compiled_headers.compiled())]
-    options.write_text(json.dumps({"cffi_extra_compile_args": arguments}))
+    options.write_text(json.dumps({"cffi_extra_compile_args": compiled_headers.options()}))
     entry_points = functools.cache(importlib.metadata.entry_points)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(config))
