@@ -160,17 +160,21 @@ class BodyKinematics(ContactKinematics):
         return np.array([self._known_ends[pair] for pair in pairs])
 
     def between_points(self, displacement: Array) -> BetweenPoints:
-        """Where nodes of the master are deepest in facets of the slave; collective."""
+        """Where nodes of the master are deepest in facets of the slave; collective.
+
+        Of a sector of a ring they may be so in the slave of another sector.
+        """
         slave, master = self.facets, self.pairing.master_as_meshed
         if self.paired_at is not None:
             slave = slave.moved(self.paired_at[self.trace.all_nodes])
             master = master.moved(self._of_master(self.paired_at))
             displacement = displacement - self.paired_at
-        moved = self._of_master(displacement)
+        copies = self.pairing.copies_of(slave)
+        every, moved = copies.of_surface(slave), self._of_master(displacement)
         places, normals = master.node_positions(), master.normals
         nearest = np.full(len(places), np.inf)
         if len(slave.nodes):  # the surface may miss this rank
-            found = hits(slave, places, normals)
+            found = hits(every, places, normals)
             nearest = np.abs(found.distance)
         of_all = np.empty_like(nearest)
         self._spaces.comm.Allreduce(nearest, of_all, op=MPI.MIN)
@@ -178,8 +182,10 @@ class BodyKinematics(ContactKinematics):
         if len(met) == 0:
             return nowhere(slave.dimension)
         facets, reference = found.facet[met], found.reference[met]
-        own = slave.interpolate(displacement[self.trace.all_nodes], facets, reference)
+        of_slave = copies.vectors(displacement[self.trace.all_nodes])
+        own = every.interpolate(of_slave, facets, reference)
         closed = np.einsum("ij,ij->i", moved[met] - own, normals[met])
+        facets = facets % len(slave.nodes)
         worn = self.trace.at_all_nodes(self.worn[: len(self.trace.nodes)])[:, None]
         narrower = self.interference - slave.interpolate(worn, facets, reference)[:, 0]
         missed = slave.sagittas[facets] + master.sagitta

@@ -29,6 +29,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import on_root, total
 from fenics_contact.contact.mortar.pairing import gathered
 from fenics_contact.contact.mortar.ray_projection import face, hits
+from fenics_contact.contact.mortar.turned_copies import TurnedCopies
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.mesh.tagged_mesh import Group
 
@@ -86,7 +87,7 @@ class NamedSurfaces:
         walls: list[tuple[int, float]],
         cut: CutFaces | None = None,
     ) -> None:
-        self.spaces, self._key = spaces, key
+        self.spaces, self._key, self._cut = spaces, key, cut
         self._sides = flat_sides, walls, cut
         self.wanted = contact.slave
         self.on = self._surface("on", contact.on)
@@ -115,7 +116,8 @@ class NamedSurfaces:
             for one, other in (surfaces, surfaces[::-1]):
                 normals = one.normals_at_centres()
                 areas = np.linalg.norm(normals, axis=1)
-                found = hits(other, one.centres, normals / areas[:, None])
+                whole = TurnedCopies.facing(one.centres, other, self._cut).of_surface(other)
+                found = hits(whole, one.centres, normals / areas[:, None])
                 faced = np.isfinite(found.distance)
                 shares.append(float(areas[faced].sum() / areas.sum()))
                 sizes.append(float(areas.mean()) ** (1 / (one.dimension - 1)))
@@ -161,10 +163,12 @@ class NamedSurfaces:
         def find() -> list[Array]:
             marks = [np.zeros(len(one.normals)) for one in surfaces]
             for place, (one, other) in enumerate((surfaces, surfaces[::-1])):
-                _, found = face(one.node_positions(), one.normals, other)
+                copies = TurnedCopies.facing(one.centres, other, self._cut)
+                whole = copies.of_surface(other)
+                _, found = face(one.node_positions(), one.normals, whole)
                 is_hit = found.facet >= 0
                 marks[place][is_hit] = 1.0
-                marks[1 - place][other.nodes[found.facet[is_hit]]] = 1.0
+                marks[1 - place][copies.own(whole.nodes[found.facet[is_hit]])] = 1.0
             for mark, one in zip(marks, surfaces, strict=True):
                 mark[one.nodes[mark[one.nodes].any(axis=1)]] = 1.0
             return marks

@@ -146,7 +146,8 @@ def action_and_reaction(forces: InternalForces) -> Check | None:
 
     Relative to the forces on the slave, moments over the extent of its surface. Forces are handed
     over between points that face each other, so they may be off by the distance of these. Across
-    planes of symmetry forces need not balance.
+    planes of symmetry forces need not balance. Across the cut of a sector they are turned: there
+    forces along the radius and along the axis count, and the moment about the axis.
     """
     worst: Check | None = None
     for contact, given in zip(forces.problem.contacts, forces.solution.contact_force, strict=True):
@@ -163,16 +164,12 @@ def _handed_over(forces: InternalForces, contact: ContactSurface, nodal: Array) 
     vectors[:, :size] = nodal[owned]
     places[:, :size] = spaces.coordinates[owned, :size] + forces.displacement[owned]
     carried = total(spaces.comm, np.linalg.norm(vectors, axis=1).sum()) / 2 or 1.0
-    weights = np.linalg.norm(vectors, axis=1)
-    centre = total(spaces.comm, weights @ places) / (2 * carried)
-    moments = np.cross(places - centre, vectors) / extent
-    mirrored = contact.trace.symmetry.axes
-    counted = [k for k in range(3) if k not in mirrored]
-    turned = [k for k in range(3) if not {0, 1, 2} - {k} & set(mirrored)]
-    if spaces.kinematics == "axisymmetric":
-        turned = []
-    left = total(spaces.comm, np.concatenate([vectors.sum(axis=0), moments.sum(axis=0)]))
-    off = np.linalg.norm([*left[counted], *(left[3 + k] for k in turned)])
+    pairing = contact.kinematics.pairing
+    if pairing is not None and pairing.crosses_cut:
+        left = _left_in_sector(contact, vectors, places)
+    else:
+        left = _left_of_forces(contact, vectors, places)
+    off = np.linalg.norm(left)
     closed = contact.kinematics.reached & (contact.pressure() != 0)
     # By value, sides that touch are as far apart as they overlap.
     drawn = np.abs(contact.kinematics.distance_as_drawn[closed])
@@ -182,6 +179,50 @@ def _handed_over(forces: InternalForces, contact: ContactSurface, nodal: Array) 
         + 2 * contact.relative_sliding()
     )
     return Check(float(off) / carried, min(_PAIR_ROUND_OFF + limit, 0.5), contact.label)
+
+
+def _left_of_forces(contact: ContactSurface, vectors: Array, places: Array) -> Array:
+    """Resultant and moment, this over the extent, that need to be zero (force); collective.
+
+    Args:
+        contact: Between two bodies.
+        vectors: Forces at this rank's own nodes, (nodes, 3) (force).
+        places: Where the nodes stand, (nodes, 3) (length).
+    """
+    spaces, weights = contact.spaces, np.linalg.norm(vectors, axis=1)
+    centre = total(spaces.comm, weights @ places) / (total(spaces.comm, weights.sum()) or 1.0)
+    moments = np.cross(places - centre, vectors) / contact.trace.extent()
+    mirrored = contact.trace.symmetry.axes
+    counted = [k for k in range(3) if k not in mirrored]
+    turned = [k for k in range(3) if not {0, 1, 2} - {k} & set(mirrored)]
+    if spaces.kinematics == "axisymmetric":
+        turned = []
+    left = total(spaces.comm, np.concatenate([vectors.sum(axis=0), moments.sum(axis=0)]))
+    return np.array([*left[counted], *(left[3 + k] for k in turned)])
+
+
+def _left_in_sector(contact: ContactSurface, vectors: Array, places: Array) -> Array:
+    """What no turn changes: radial and axial force, moment about the axis; collective.
+
+    Args:
+        contact: Between two bodies of a sector, across its cut.
+        vectors: As of ``_left_of_forces``.
+        places: Likewise.
+    """
+    cut = contact.trace.cut
+    assert cut is not None
+    arms = places - cut.centre
+    arms = arms - np.outer(arms @ cut.axis, cut.axis)
+    lengths = np.linalg.norm(arms, axis=1)[:, None]
+    radial = np.divide(arms, lengths, out=np.zeros_like(arms), where=lengths > 0)
+    sums = np.array(
+        [
+            (radial * vectors).sum(),
+            (vectors @ cut.axis).sum(),
+            (np.cross(arms, vectors) @ cut.axis).sum() / contact.trace.extent(),
+        ]
+    )
+    return np.asarray(total(contact.spaces.comm, sums))
 
 
 # What holds a motion that nothing pushes: of the forces applied.

@@ -80,7 +80,8 @@ def boxes(
         keys = np.column_stack([places.round(9), body])
         for part, number in zip(parts, of_part, strict=True):
             if part.name in closed:
-                keys[(body == number) & np.isclose(keys[:, 0], part.high[0]), 0] = part.low[0]
+                ends = (body == number) & np.isclose(keys[:, 0], part.high[0])
+                keys[ends, 0] = round(part.low[0], 9)
         _, kept, new = np.unique(keys, axis=0, return_index=True, return_inverse=True)
         places, corners = places[kept], new.reshape(-1)[corners]
     given = slice(0) if comm.rank else slice(None)

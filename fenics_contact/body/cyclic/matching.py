@@ -107,7 +107,8 @@ _Nodes = tuple[Array, Integers]
 def _nearest(one: _Nodes, other: _Nodes, extent: float) -> tuple[float, Integers]:
     """The nearest node of another set to each of one, in the same part of the body if there is.
 
-    Bodies that touch have nodes at the same place.
+    Bodies that touch have nodes at the same place. A body that the cut parts twice goes on in
+    another part than it ends in.
 
     Args:
         one: Nodes.
@@ -119,15 +120,30 @@ def _nearest(one: _Nodes, other: _Nodes, extent: float) -> tuple[float, Integers
     """
     from scipy.spatial import cKDTree  # takes long to load, and few scenes need it
 
-    found = []
-    for apart in (extent, 0.0):
-        here, there = (np.column_stack([x, apart * parts]) for x, parts in (one, other))
-        away, nearest = cKDTree(there).query(here)
-        back, _ = cKDTree(here).query(there)
-        found.append((max(float(away.max()), float(back.max())), np.asarray(nearest)))
-        if found[0][0] <= _SAME * extent:
-            break
-    return min(found, key=lambda one: one[0])
+    found, farthest = np.zeros(len(one[0]), dtype=np.int64), 0.0
+    for part in np.unique(one[1]):
+        mine = np.flatnonzero(one[1] == part)
+        tries = []
+        for beyond in parts_in_order(part, other[1]):
+            theirs = np.flatnonzero(other[1] == beyond)
+            away, nearest = cKDTree(other[0][theirs]).query(one[0][mine])
+            back, _ = cKDTree(one[0][mine]).query(other[0][theirs])
+            tries.append((max(float(away.max()), float(back.max())), theirs[nearest]))
+            if tries[-1][0] <= _SAME * extent:
+                break
+        apart, found[mine] = min(tries, key=lambda each: each[0])
+        farthest = max(farthest, apart)
+    return farthest, found
+
+
+def parts_in_order(part: int, others: Integers) -> list[int]:
+    """The parts of the body in which a part may go on beyond the cut, itself first.
+
+    Args:
+        part: Number of a part.
+        others: Those that end in the other face, each any number of times.
+    """
+    return sorted(np.unique(others).tolist(), key=lambda other: (other != part, other))
 
 
 def turned(axis: Array, angle: float) -> Array:

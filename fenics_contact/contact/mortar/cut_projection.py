@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix, hstack, identity
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
-from fenics_contact.body.cyclic.matching import NodeShares
+from fenics_contact.body.cyclic.matching import NodeShares, parts_in_order
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import on_root
@@ -74,14 +74,20 @@ class CutProjection:
 
 
 def _shares(meshes: list[FacetMesh], parts: list[Integers]) -> tuple[csr_matrix, float]:
-    """Shares of all nodes, and how far the faces are apart, by parts of the body."""
+    """Shares of all nodes, and how far the faces are apart, by parts of the body.
+
+    A part goes on in itself or, where the cut parts a body twice, in another one.
+    """
     weights, off = np.zeros([mesh.node_count for mesh in meshes]), 0.0
     for part in np.unique(parts[0]):
-        pairs = zip(meshes, parts, strict=True)
-        one, other = (_of_part(mesh, of_node == part) for mesh, of_node in pairs)
-        if len(other.nodes) == 0:
-            return csr_matrix(weights), np.inf
-        rows, found, apart = _shares_of_part(one, other)
+        one = _of_part(meshes[0], parts[0] == part)
+        tries = []
+        for beyond in parts_in_order(part, parts[1]):
+            other = _of_part(meshes[1], parts[1] == beyond)
+            tries.append(_shares_of_part(one, other))
+            if tries[-1][2] == 0:  # no farther than facets miss of curved faces
+                break
+        rows, found, apart = min(tries, key=lambda each: each[2])
         weights[rows] = found
         off = max(off, apart)
     weights[np.abs(weights) < _NONE] = 0.0

@@ -1,8 +1,9 @@
-"""P of a slave surface that ends in both cut faces of a sector, as of the whole ring.
+"""P between surfaces of a sector that end in its cut, or face each other across it.
 
-Beyond the cut the surface goes on, turned. So displacements at its rim on one face follow from
-those on the other, and there the integrals of both sides count: with v = E w of the nodes that
-follow from none, P = E (Eᵀ D E)⁻¹ Eᵀ M. A turn mixes components.
+Beyond the cut the slave goes on, turned. So displacements at its rim on one face follow from those
+on the other, and there the integrals of both sides count: with v = E w of the nodes that follow
+from none, P = E (Eᵀ D E)⁻¹ Eᵀ M F. Nodes of the master in other sectors move as F says of those in
+this one. Turns mix components.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from fenics_contact.contact.mortar.projection import (
     Projection,
     columns_together,
 )
+from fenics_contact.contact.mortar.turned_copies import TurnedCopies
 from fenics_contact.contact.surface.space import SurfaceSpace
 
 
@@ -53,13 +55,26 @@ class RimAcrossCut:
         return csr_matrix(own + kron(placed @ self.shares, self.rotation))
 
 
+@dataclass(frozen=True, eq=False)
+class AcrossCut:
+    """How two surfaces that face each other go on beyond the cut of a sector.
+
+    Attributes:
+        copies: The master in this sector and in others.
+        rim: Nodes of the slave that follow from others of it, or None.
+    """
+
+    copies: TurnedCopies
+    rim: RimAcrossCut | None = None
+
+
 class _DofProjection(NodalProjection):
     """P between dofs, or some rows and columns of it.
 
     Args:
         factor: (Eᵀ D E)⁻¹.
         expansion: E, (rows, dofs of the mortar space).
-        coupling: Eᵀ M, (dofs of the mortar space, columns) (area).
+        coupling: Eᵀ M F, (dofs of the mortar space, columns) (area).
     """
 
     def __init__(self, factor: MassFactor, expansion: csr_matrix, coupling: csr_matrix) -> None:
@@ -107,22 +122,25 @@ class FoldedProjection(Projection):
     """P of the whole surfaces, whose components mix.
 
     Args:
-        integrals: Of the whole surfaces.
+        integrals: Of the whole surfaces, that of the master with its copies.
         fixed: Nodes taken out of the mortar space, (slave nodes, components).
         used: Nodes whose rows are kept; the others' are 0, (slave nodes,).
-        rim: The nodes that follow from others.
+        across: How the surfaces go on beyond the cut.
     """
 
     def __init__(
-        self, integrals: MortarIntegrals, fixed: Flags, used: Flags, rim: RimAcrossCut
+        self, integrals: MortarIntegrals, fixed: Flags, used: Flags, across: AcrossCut
     ) -> None:
         count, self.size = fixed.shape
         unit = identity(self.size)
-        expansion = rim.expansion(count)
+        expansion = csr_matrix(identity(count * self.size))
+        if across.rim is not None:
+            expansion = across.rim.expansion(count)
         mass = csr_matrix(expansion.T @ kron(integrals.mass, unit) @ expansion)
         kept = np.flatnonzero((mass.diagonal() > 0) & ~fixed.ravel())
         expansion = csr_matrix(expansion[:, kept])
-        coupling = csr_matrix(expansion.T @ kron(integrals.coupling, unit))
+        coupling = kron(integrals.coupling, unit) @ across.copies.expansion()
+        coupling = csr_matrix(expansion.T @ coupling)
         acts = np.repeat(used, self.size).astype(float)
         rows = csr_matrix(expansion.multiply(acts[:, None]))
         rows.eliminate_zeros()

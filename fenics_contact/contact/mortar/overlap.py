@@ -5,14 +5,14 @@ In the plane, rays along the interpolated mean normal of the slave join the surf
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import basix
 import numpy as np
 
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised, reference_nodes
-from fenics_contact.contact.mortar.ray_projection import entries_behind, meet, near_lines
+from fenics_contact.contact.mortar.ray_projection import entries_behind, hits, meet, near_lines
 
 # Corners of the straight pieces of a facet, in turn, among its geometry nodes. Curved segments
 # need none: their ends are projected onto the true facet.
@@ -26,6 +26,7 @@ _PIECES = {
 }
 LEAST_SHARE = 1e-9  # of a facet's area: smaller overlaps are round-off
 _MARGIN = 1.1  # of the radii of straight pieces, for curved ones
+_SAME_LAYER = 1e-6  # of a facet's radius: by how much a nearer point is another one
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +57,37 @@ class Overlap:
         """
         kept = ~facets[self.slave]
         return Overlap(*(getattr(self, each.name)[kept] for each in fields(self)))
+
+
+def nearest_layer(
+    overlap: Overlap, slave: FacetMesh, master: FacetMesh, mean_normals: Array, layered: Flags
+) -> Overlap:
+    """An overlap without points of the master that are behind others of it, seen from the slave.
+
+    Args:
+        overlap: Where both face each other.
+        slave: The surface that is integrated over.
+        master: The other surface.
+        mean_normals: Directions of rays at the slave's nodes, (nodes, dimension).
+        layered: Facets of the slave of which some part faces several layers, (slave facets,).
+    """
+    cells = np.flatnonzero(layered[overlap.slave])
+    if len(cells) == 0:
+        return overlap
+    count, size = overlap.weights.shape[1], slave.dimension - 1
+    ours, theirs = (np.repeat(of[cells], count) for of in (overlap.slave, overlap.master))
+    here = overlap.slave_reference[cells].reshape(-1, size)
+    there = overlap.master_reference[cells].reshape(-1, size)
+    rays = normalised(slave.interpolate(mean_normals, ours, here))
+    places = slave.positions(ours, here)
+    reach = np.abs(np.einsum("pd,pd->p", master.positions(theirs, there) - places, rays))
+    nearest = np.abs(hits(master, places, rays).distance)
+    seen = (reach <= nearest + _SAME_LAYER * master.radii[theirs]).reshape(-1, count)
+    weights, shares = overlap.weights.copy(), overlap.shares.copy()
+    whole = weights[cells].sum(axis=1)
+    weights[cells] = np.where(seen, weights[cells], 0.0)
+    shares[cells] *= weights[cells].sum(axis=1) / np.where(whole > 0, whole, 1.0)
+    return replace(overlap, weights=weights, shares=shares)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,11 +19,12 @@ from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh, normalised
-from fenics_contact.contact.mortar.folded_projection import FoldedOnRanks, RimAcrossCut
+from fenics_contact.contact.mortar.folded_projection import AcrossCut, FoldedOnRanks, RimAcrossCut
 from fenics_contact.contact.mortar.projection import MortarIntegrals, Projection, integrate
 from fenics_contact.contact.mortar.ray_projection import Hits, face, hits
 from fenics_contact.contact.mortar.smooth_surface import SmoothSurface
 from fenics_contact.contact.mortar.spread_projection import SlaveRows, SpreadProjection
+from fenics_contact.contact.mortar.turned_copies import TurnedCopies
 from fenics_contact.contact.surface.trace import Trace
 
 
@@ -54,7 +55,7 @@ class _Paired:
 
     Attributes:
         faced: What faces what, on this rank.
-        master: The master's facets, where they stood.
+        master: The master's facets with their copies, where they stood.
         rows: The mortar integrals of this rank.
         projection: P, spread over the ranks.
     """
@@ -77,6 +78,8 @@ class Pairing:
 
     Attributes:
         master: The surface of the master.
+        master_as_meshed: All of its facets, on every rank.
+        copies: The master in other sectors of a ring that the slave may face.
         sagitta: How far facets of either surface are from smooth ones, about (length).
 
     Args:
@@ -89,28 +92,27 @@ class Pairing:
         self._slave, self._master = slave, master
         self._comm = slave.spaces.comm
         self.master = master.surface
-        self._surfaces = own_facets(slave), gathered(master)
+        self.master_as_meshed = gathered(master)
+        own = own_facets(slave)
+        points = gather_rows(self._comm, own.centres)
+        self.copies = TurnedCopies.facing(points, self.master_as_meshed, slave.cut)
+        self._surfaces = own, self.copies.of_surface(self.master_as_meshed)
         sagitta = max(surface.sagitta for surface in self._surfaces)
         self.sagitta = largest(self._comm, np.array([sagitta]))
         held = np.zeros(slave.spaces.coordinates.shape[0] * slave.spaces.components, dtype=bool)
         held[constrained] = True
         at_nodes = held.reshape(-1, slave.spaces.components)[slave.all_nodes]
-        self._rim = self._across_cut()
+        self._across = AcrossCut(self.copies, self._rim())
         self._mirrored = slave.symmetry.in_planes() & at_nodes
         self._as_meshed = self._present = self._pair(*self._surfaces)
 
-    def _across_cut(self) -> RimAcrossCut | None:
+    def _rim(self) -> RimAcrossCut | None:
         """Nodes of the slave that follow from others of it across a cut; collective."""
         cut, surface = self._slave.cut, self._slave.surface
         if cut is None:
             return None
         nodes, shares = cut.shares_among(surface.dofs[:: surface.components] // surface.components)
         return RimAcrossCut(nodes, shares, cut.rotation) if len(nodes) else None
-
-    @property
-    def master_as_meshed(self) -> FacetMesh:
-        """All facets of the master, on every rank."""
-        return self._surfaces[1]
 
     @property
     def dofs(self) -> Integers:
@@ -129,13 +131,21 @@ class Pairing:
         if displacement is not None:
             slave, master = self._surfaces
             slave = slave.moved(displacement[self._slave.all_nodes])
-            master = master.moved(self.master.gathered(displacement[self._master.all_nodes]))
-            self._present = self._pair(slave, master)
+            there = self.master.gathered(displacement[self._master.all_nodes])
+            self._present = self._pair(slave, master.moved(self.copies.vectors(there)))
+
+    def copies_of(self, slave: FacetMesh) -> TurnedCopies:
+        """The slave in the sectors whose slaves may face the master of this one.
+
+        Args:
+            slave: Its facets of this rank.
+        """
+        return self.copies.seen_from(slave)
 
     def _pair(self, slave: FacetMesh, master: FacetMesh) -> _Paired:
         faced, surface = self._find(slave, master), self._slave.surface
         known = surface, self.master, faced.integrals, self._mirrored, faced.faced
-        rows = SlaveRows(*known, rim=self._rim)
+        rows = SlaveRows(*known, self._across)
         return _Paired(faced, master, rows, rows.on_ranks())
 
     @property
@@ -171,6 +181,11 @@ class Pairing:
     def faced(self) -> Flags:
         """Nodes of this rank at which anything is opposite; the others have no jump, (nodes,)."""
         return self._present.faced.faced
+
+    @property
+    def crosses_cut(self) -> bool:
+        """Whether the slave faces the master of another sector; collective when first asked for."""
+        return self._present.rows.crosses_cut
 
     @property
     def is_as_meshed(self) -> bool:

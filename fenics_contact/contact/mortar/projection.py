@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -19,13 +19,15 @@ from scipy.sparse.linalg import splu
 
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers
 from fenics_contact.contact.mortar.facet_mesh import FacetMesh
-from fenics_contact.contact.mortar.overlap import Overlap, segment_overlap
+from fenics_contact.contact.mortar.overlap import Overlap, nearest_layer, segment_overlap
 from fenics_contact.contact.mortar.polygon_overlap import polygon_overlaps
 
 # Share of a facet that faces the master, at the least. Below, quadratic shape functions that vanish
 # at the covered end are multiples of each other there to about the share, and the mass of their
 # nodes is singular to about its square.
 _LEAST_COVERAGE = 1e-4
+# Of a facet that faces the master more than once, as a coarse one before a stack of plates does.
+_LAYERED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +63,26 @@ def integrate(
     """
     overlaps = partial(_overlaps, slave, master, mean_normals)
     whole = _summed(slave, master, overlaps(), is_axisymmetric)
+    layered = whole.coverage > 1 + _LAYERED
+    if layered.any():
+        overlaps = partial(_nearest, overlaps, slave, master, mean_normals, layered)
+        whole = _summed(slave, master, overlaps(), is_axisymmetric)
     slivers = (whole.coverage > 0) & (whole.coverage < _LEAST_COVERAGE)
-    if not slivers.any():
-        return whole
-    return _summed(slave, master, (part.without(slivers) for part in overlaps()), is_axisymmetric)
+    if slivers.any():
+        kept = (part.without(slivers) for part in overlaps())
+        whole = _summed(slave, master, kept, is_axisymmetric)
+    return replace(whole, coverage=np.minimum(whole.coverage, 1.0))
+
+
+def _nearest(
+    overlaps: Callable[[], Iterator[Overlap]],
+    slave: FacetMesh,
+    master: FacetMesh,
+    mean_normals: Array,
+    layered: Flags,
+) -> Iterator[Overlap]:
+    """The same overlaps, of several layers the nearest."""
+    return (nearest_layer(part, slave, master, mean_normals, layered) for part in overlaps())
 
 
 def _overlaps(slave: FacetMesh, master: FacetMesh, mean_normals: Array) -> Iterator[Overlap]:
@@ -94,7 +112,7 @@ def _summed(
         mass += _assembled(weighted, ours, rows, rows, mass.shape)
         columns = master.nodes[overlap.master]
         coupling += _assembled(weighted, theirs, rows, columns, coupling.shape)
-    return MortarIntegrals(mass, coupling, np.minimum(coverage, 1.0))
+    return MortarIntegrals(mass, coupling, coverage)
 
 
 def _quadrature_degree(slave: FacetMesh, master: FacetMesh) -> int:

@@ -9,7 +9,8 @@ communicator that they all share.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from petsc4py import PETSc
@@ -20,9 +21,9 @@ from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.parallel import gather_rows, lasting, total
 from fenics_contact.contact.mortar.folded_projection import (
+    AcrossCut,
     FoldedOnRanks,
     FoldedProjection,
-    RimAcrossCut,
 )
 from fenics_contact.contact.mortar.projection import MortarIntegrals, Projection
 from fenics_contact.contact.surface.space import SurfaceSpace
@@ -35,10 +36,11 @@ class SlaveRows:
     Attributes:
         slave: The slave surface; its nodes are those of this rank, owned and ghost.
         master: The master surface.
-        integrals: Of this rank's facets: (nodes of this rank, all nodes of the master).
+        integrals: Of this rank's facets: (nodes of this rank, all nodes of the master and of its
+            copies).
         fixed: Nodes taken out of the mortar space, where P is 0, (nodes of this rank, components).
         used: Nodes whose rows are kept; the others' are 0, (nodes of this rank,).
-        rim: Nodes of the slave that follow from others of it across the cut of a sector, or None.
+        across: How both go on beyond the cut of a sector.
     """
 
     slave: SurfaceSpace
@@ -46,42 +48,60 @@ class SlaveRows:
     integrals: MortarIntegrals
     fixed: Flags
     used: Flags
-    rim: RimAcrossCut | None = None
+    across: AcrossCut
 
     def gathered(self) -> Projection | FoldedProjection:
         """P of the whole surfaces, on every rank; collective."""
-        integrals = self.whole_integrals()
         fixed, used = self.slave.gathered(self.fixed), self.slave.gathered(self.used)
-        if self.rim is not None:
-            return FoldedProjection(integrals, fixed, used, self.rim)
-        return Projection.between(integrals, fixed, used)
+        if self.across.rim is None and not self.crosses_cut:
+            return Projection.between(self.whole_integrals(), fixed, used)
+        return FoldedProjection(self._with_copies(), fixed, used, self.across)
 
     def whole_integrals(self) -> MortarIntegrals:
-        """Those of the whole surfaces, without shares of facets, on every rank; collective."""
-        mass = self._whole(self.integrals.mass.tocoo(), self.slave.numbers, self.slave)
-        columns = np.arange(self.integrals.coupling.shape[1])
-        coupling = self._whole(self.integrals.coupling.tocoo(), columns, self.master)
+        """Those of the whole surfaces, without shares of facets, on every rank; collective.
+
+        Of scalars: a node of the master and its copies have the same value.
+        """
+        whole = self._with_copies()
+        return replace(whole, coupling=self.across.copies.summed(whole.coupling))
+
+    def _with_copies(self) -> MortarIntegrals:
+        """The same with columns for each copy of the master; collective."""
+        count = self.slave.space.dofmap.index_map.size_global
+        mass = self._whole(self.integrals.mass.tocoo(), self.slave.numbers, count)
+        count = self.integrals.coupling.shape[1]
+        coupling = self._whole(self.integrals.coupling.tocoo(), np.arange(count), count)
         return MortarIntegrals(mass, coupling, np.zeros(0))
 
     def on_ranks(self) -> SpreadProjection | FoldedOnRanks:
         """P at the nodes of each rank; collective."""
-        if self.rim is None:
-            return SpreadProjection(self)
+        if self.across.rim is None and not self.crosses_cut:
+            return SpreadProjection(self._without_copies())
         return FoldedOnRanks(self.gathered(), self.slave, self.master)
+
+    def _without_copies(self) -> SlaveRows:
+        """The same without columns of copies, which no slave faces."""
+        own = self.integrals.coupling[:, : self.across.copies.count]
+        return replace(self, integrals=replace(self.integrals, coupling=csr_matrix(own)))
+
+    @cached_property
+    def crosses_cut(self) -> bool:
+        """Whether the slave faces the master of another sector; collective when first asked for."""
+        beyond = int((self.integrals.coupling.indices >= self.across.copies.count).sum())
+        return int(total(self.slave.comm, beyond)) > 0
 
     def coupled_masters(self) -> Flags:
         """Nodes of the whole master that move any slave node not fixed; collective."""
         free = np.flatnonzero(~self.fixed.all(axis=1))
         coupling = self.integrals.coupling
         found = np.bincount(coupling[free].indices, minlength=coupling.shape[1])
-        return np.asarray(total(self.slave.comm, found) > 0)
+        return self.across.copies.of_any(np.asarray(total(self.slave.comm, found) > 0))
 
-    def _whole(self, own: coo_matrix, columns: Integers, columns_of: SurfaceSpace) -> csr_matrix:
-        """The sum of all ranks' matrices, with the rows and columns of whole surfaces."""
+    def _whole(self, own: coo_matrix, columns: Integers, count: int) -> csr_matrix:
+        """The sum of all ranks' matrices, with the rows of the whole slave, and so many columns."""
         comm, size = self.slave.comm, self.slave.space.dofmap.index_map.size_global
         places = gather_rows(comm, self.slave.numbers[own.row]), gather_rows(comm, columns[own.col])
-        shape = size, columns_of.space.dofmap.index_map.size_global
-        return csr_matrix((gather_rows(comm, own.data), places), shape=shape)
+        return csr_matrix((gather_rows(comm, own.data), places), shape=(size, count))
 
 
 class _Component:

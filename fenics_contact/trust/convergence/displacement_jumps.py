@@ -19,6 +19,7 @@ import numpy as np
 from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers
 from fenics_contact.common.parallel import gather_rows, largest
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.mortar.turned_copies import TurnedCopies
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.convergence.support_steps import support_steps
 
@@ -232,6 +233,8 @@ def _between_bodies(
     extra = np.column_stack([gaps[local], normals[local]])
     own = gather_rows(problem.comm, np.column_stack([own[:, :_WIDTH], extra]))
     other = gather_rows(problem.comm, other[:, :_WIDTH])
+    if contact.kinematics.pairing is not None:
+        other = _in_all_copies(other, contact.kinematics.pairing.copies)
     found, reach = [], _SAME_PLACE * contact.trace.extent()
     parts = list(_by_node(other))
     places = np.array([part[0, _PLACE] for part in parts]).reshape(-1, 3)
@@ -249,6 +252,18 @@ def _between_bodies(
         if jump.size > least:
             found.append(Jump(jump.place, jump.size, (number,), jump.supports))
     return found
+
+
+def _in_all_copies(rows: Array, copies: TurnedCopies) -> Array:
+    """Rows of nodes of a master, and of these in the sectors of a ring that a slave may face."""
+    size, count = copies.dimension, 1 + rows[:, _NODE].max(initial=0.0)
+    found = np.tile(rows, (copies.size, 1, 1))
+    found[:, :, _NODE] += count * np.arange(copies.size)[:, None]
+    first = _PLACE.start
+    found[:, :, first : first + size] = copies.places(rows[:, first : first + size])
+    first = _OF.start
+    found[:, :, first : first + size] = copies.directions(rows[:, first : first + size])
+    return found.reshape(-1, rows.shape[1])
 
 
 def _pressed_together(
