@@ -11,7 +11,7 @@ from fenics_contact import (
     Discretisation,
     Load,
     Material,
-    Modes,
+    Motion,
     Point,
     Rotation,
     Run,
@@ -332,7 +332,7 @@ def test_a_face_without_facets():
         ({"cyclic_symmetry": CyclicSymmetry("a", "b", 4, at=(0, 0, 0))}, "sector_at_of_three"),
         ({"kinematics": "3D", "cyclic_symmetry": CyclicSymmetry("a", "b", 4)}, "sector_no_axis"),
         ({"kinematics": "axisymmetric"}, "sector_of_revolution"),
-        ({"modes": Modes(3)}, "sector_with_modes"),
+        ({"motion": Motion(end=1.0, step=0.1)}, "sector_with_motion"),
         ({"solver": SolverSettings(solver="iterative")}, "sector_iterative"),
     ],
 )

@@ -16,4 +16,5 @@ ANALYSIS = Analysis(
     pictures="damping|modes|animation_modes",
     phase="vibration",
     uses_body=True,
+    goes_with=("cyclic symmetry",),
 )

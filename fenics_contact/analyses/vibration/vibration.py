@@ -119,7 +119,18 @@ def _vibration(kept: KeptBody, scene: Scene) -> Vibration:
         shapes = stuck_modes(system, system.body, scene.modes.number)
         load_steps.go_on_from(begin, begin.unknowns.time)
         found, notes = _damped(load_steps, system, begin, shapes)
-        return Vibration(mode_records(shapes), shapes, found, notes)
+        return Vibration(mode_records(shapes), shapes, found, [*_of_sectors(scene), *notes])
+
+
+def _of_sectors(scene: Scene) -> list[str]:
+    """Which modes of a ring those of a sector are; none of a whole body."""
+    sector = scene.cyclic_symmetry
+    if sector is None:
+        return []
+    return [
+        f"The modes are those in which all {sector.sectors} sectors move alike (harmonic 0); the "
+        "ring has others."
+    ]
 
 
 def _damped(
