@@ -1,0 +1,142 @@
+"""The equations of the points in contact, linearised: one dense matrix for each Newton step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
+
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.solve.exact.natural_map import NaturalMap, PointState
+
+# Reciprocal condition number below which a matrix counts as singular.
+SINGULAR = 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionRows:
+    """Linearised friction at some points: (1 − D) r_t + D (Ŵ r + q̂)_t − c r_n = e.
+
+    Attributes:
+        points: Their numbers, (k,).
+        turning: D, (k, along, along).
+        by_force: c, (k, along).
+        right: e, (k, along).
+    """
+
+    points: Integers
+    turning: Array
+    by_force: Array
+    right: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ActiveSystem:
+    """Matrix of the rows in contact, factorised.
+
+    Attributes:
+        rows: Their numbers, (active,).
+        friction: Rows in which the gap is not simply 0.
+        factors: LU of the transposed matrix, and its pivots.
+    """
+
+    rows: Integers
+    friction: FrictionRows
+    factors: tuple[Array, Integers]
+
+    def solve(self, right: Array, transposed: bool = False) -> Array:
+        """Solve for the active rows.
+
+        Args:
+            right: (active,) or (active, several).
+            transposed: Solve with the transposed matrix.
+        """
+        if len(self.rows) == 0:
+            return right
+        return np.asarray(dgetrs(*self.factors, right, trans=0 if transposed else 1)[0])
+
+
+def friction_rows(equations: NaturalMap, state: PointState) -> FrictionRows:
+    """Linearise friction where points slip, and where they stick with an elastic slip."""
+    slips = state.closed & equations.rubs & ~state.sticks
+    numbers = np.flatnonzero(slips | (state.sticks & (equations.elastic > 0)))
+    bound, slope = state.bound[numbers], state.slope[numbers]
+    along, force = state.along[numbers], state.force[numbers]
+    slipping = slips[numbers]
+    length = np.where(slipping, state.length[numbers], 1.0)
+    direction = along / length[:, None]
+    limit = np.where(slipping, 1.0, bound + equations.elastic[numbers])
+    share = np.where(slipping, bound / length, bound / limit)
+    size = along.shape[1]
+    turning = np.broadcast_to(np.eye(size), (len(numbers), size, size)).copy()
+    turning -= slipping[:, None, None] * direction[:, :, None] * direction[:, None, :]
+    turning *= share[:, None, None]
+    # Of a point that sticks elastically, g/(g + ε) z_t grows with g by ε/(g + ε)² z_t.
+    growth = np.where(slipping, 1.0, equations.elastic[numbers] / limit**2)
+    by_force = (growth * slope)[:, None] * direction
+    right = -by_force * force[:, None]
+    right += (slipping * bound)[:, None] * direction
+    return FrictionRows(numbers, turning, by_force, right)
+
+
+def adhesive_rows(equations: NaturalMap) -> FrictionRows:
+    """No friction rows: all that touches sticks."""
+    size = equations.dimension - 1
+    nothing = np.zeros((0, size))
+    return FrictionRows(np.zeros(0, dtype=np.int64), np.zeros((0, size, size)), nothing, nothing)
+
+
+def next_forces(
+    equations: NaturalMap, closed: Flags, friction: FrictionRows
+) -> tuple[ActiveSystem, Array] | None:
+    """Solve the linearised equations.
+
+    Args:
+        equations: Of the problem.
+        closed: Points in contact, (points,).
+        friction: Linearised friction at some of them.
+
+    Returns:
+        The factorised system and the next forces, (rows,); None where the matrix is singular.
+    """
+    is_active = np.ones(len(equations.free), dtype=bool)
+    is_active[: equations.count] = (equations.active & closed[:, None]).ravel()
+    rows = np.flatnonzero(is_active)
+    forces = np.zeros(len(equations.free))
+    if len(rows) == 0:
+        return ActiveSystem(rows, friction, (np.zeros((0, 0)), rows)), forces
+    matrix = equations.compliance.take(rows, axis=0).take(rows, axis=1)
+    right = -equations.free[rows]
+    if len(friction.points):
+        _put_friction(equations, friction, is_active, matrix, right)
+    size = np.abs(matrix).sum(axis=1).max()
+    # Of the transposed matrix, whose rows lie one behind the other, as LAPACK wants columns.
+    factor, pivots, failed = dgetrf(matrix.T, overwrite_a=1)
+    if failed or dgecon(factor, size)[0] < SINGULAR:
+        return None
+    system = ActiveSystem(rows, friction, (factor, pivots))
+    forces[rows] = system.solve(right)
+    return system, forces
+
+
+def _put_friction(
+    equations: NaturalMap, friction: FrictionRows, is_active: Flags, matrix: Array, right: Array
+) -> None:
+    """Put rows of friction in place of rows in which the slip is 0."""
+    dimension, turning = equations.dimension, friction.turning
+    place = np.cumsum(is_active) - 1
+    first = friction.points * dimension
+    along_rows = first[:, None] + np.arange(1, dimension)
+    along, across = place[along_rows], place[first]
+    block = np.zeros((*along.shape, len(right)))
+    if turning.any():  # never in the plane, but of points that stick elastically
+        block = np.einsum("kij,kjm->kim", turning, matrix[along])
+    numbers = np.arange(len(along))
+    for i in range(dimension - 1):
+        for j in range(dimension - 1):
+            block[numbers, i, along[:, j]] += float(i == j) - turning[:, i, j]
+    unknown = is_active[first]  # the force across, where it is not given
+    block[numbers[unknown], :, across[unknown]] -= friction.by_force[unknown]
+    matrix[along] = block
+    right[along] = friction.right - np.einsum("kij,kj->ki", turning, equations.free[along_rows])
