@@ -11,7 +11,7 @@ from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.solve.exact.natural_map import NaturalMap, PointState
 
 # Reciprocal condition number below which a matrix counts as singular.
-SINGULAR = 1e-14
+SINGULAR = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +38,13 @@ class ActiveSystem:
     Attributes:
         rows: Their numbers, (active,).
         friction: Rows in which the gap is not simply 0.
+        right: Right-hand side of a Newton step, (active,).
         factors: LU of the transposed matrix, and its pivots.
     """
 
     rows: Integers
     friction: FrictionRows
+    right: Array
     factors: tuple[Array, Integers]
 
     def solve(self, right: Array, transposed: bool = False) -> Array:
@@ -61,7 +63,8 @@ def friction_rows(equations: NaturalMap, state: PointState) -> FrictionRows:
     """Linearise friction where points slip, and where they stick with an elastic slip."""
     slips = state.closed & equations.rubs & ~state.sticks
     numbers = np.flatnonzero(slips | (state.sticks & (equations.elastic > 0)))
-    bound, slope = state.bound[numbers], state.slope[numbers]
+    bound, given = state.bound[numbers], equations.given[numbers]
+    slope = np.where(given, 0.0, state.slope[numbers])
     along, force = state.along[numbers], state.force[numbers]
     slipping = slips[numbers]
     length = np.where(slipping, state.length[numbers], 1.0)
@@ -87,10 +90,8 @@ def adhesive_rows(equations: NaturalMap) -> FrictionRows:
     return FrictionRows(np.zeros(0, dtype=np.int64), np.zeros((0, size, size)), nothing, nothing)
 
 
-def next_forces(
-    equations: NaturalMap, closed: Flags, friction: FrictionRows
-) -> tuple[ActiveSystem, Array] | None:
-    """Solve the linearised equations.
+def linearised(equations: NaturalMap, closed: Flags, friction: FrictionRows) -> ActiveSystem | None:
+    """Linearise the equations of the points in contact, and factorise their matrix.
 
     Args:
         equations: Of the problem.
@@ -98,16 +99,15 @@ def next_forces(
         friction: Linearised friction at some of them.
 
     Returns:
-        The factorised system and the next forces, (rows,); None where the matrix is singular.
+        The system; None where its matrix is singular.
     """
     is_active = np.ones(len(equations.free), dtype=bool)
     is_active[: equations.count] = (equations.active & closed[:, None]).ravel()
     rows = np.flatnonzero(is_active)
-    forces = np.zeros(len(equations.free))
-    if len(rows) == 0:
-        return ActiveSystem(rows, friction, (np.zeros((0, 0)), rows)), forces
-    matrix = equations.compliance.take(rows, axis=0).take(rows, axis=1)
     right = -equations.free[rows]
+    if len(rows) == 0:
+        return ActiveSystem(rows, friction, right, (np.zeros((0, 0)), rows))
+    matrix = equations.compliance.take(rows, axis=0).take(rows, axis=1)
     if len(friction.points):
         _put_friction(equations, friction, is_active, matrix, right)
     size = np.abs(matrix).sum(axis=1).max()
@@ -115,9 +115,7 @@ def next_forces(
     factor, pivots, failed = dgetrf(matrix.T, overwrite_a=1)
     if failed or dgecon(factor, size)[0] < SINGULAR:
         return None
-    system = ActiveSystem(rows, friction, (factor, pivots))
-    forces[rows] = system.solve(right)
-    return system, forces
+    return ActiveSystem(rows, friction, right, (factor, pivots))
 
 
 def _put_friction(

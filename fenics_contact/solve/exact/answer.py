@@ -9,7 +9,6 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Words
 from fenics_contact.contact.state import OPEN, SLIP, STICK
-from fenics_contact.solve.exact.active_system import ActiveSystem
 from fenics_contact.solve.exact.local_problem import LocalProblem
 from fenics_contact.solve.exact.natural_map import NaturalMap, PointState
 
@@ -22,7 +21,6 @@ class ExactAnswer:
         problem: That it answers.
         equations: Of the problem, in scaled units.
         state: Of the points, in scaled units.
-        system: Linear system of the last Newton step; None where there was none.
         steps: Newton steps, with those of tries that failed.
         sweeps: Of Gauss-Seidel.
         converged: Whether all laws are satisfied to rounding.
@@ -32,7 +30,6 @@ class ExactAnswer:
     problem: LocalProblem
     equations: NaturalMap
     state: PointState
-    system: ActiveSystem | None
     steps: int
     sweeps: int
     converged: bool

@@ -13,10 +13,9 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.solve.exact.active_system import (
-    ActiveSystem,
     adhesive_rows,
     friction_rows,
-    next_forces,
+    linearised,
 )
 from fenics_contact.solve.exact.natural_map import NaturalMap, PointState
 
@@ -36,14 +35,12 @@ class NewtonRun:
 
     Attributes:
         state: The last one.
-        system: Linear system of the last step; None where there was none.
         steps: Factorisations.
         converged: Whether the residual is below the tolerance.
         is_singular: Whether it ended at a singular matrix.
     """
 
     state: PointState
-    system: ActiveSystem | None
     steps: int
     converged: bool
     is_singular: bool = False
@@ -60,24 +57,24 @@ def newton(equations: NaturalMap, start: Array | None = None, most: int = _MOST_
     """
     state = equations.at(np.zeros(len(equations.free)) if start is None else start)
     before, known, steps = None, set[bytes](), 0
-    system: ActiveSystem | None = None
     has_scalars = len(equations.free) > equations.count
     while True:
-        if system is not None and is_answer(equations, state):
-            return NewtonRun(state, system, steps, True)
+        if steps and is_answer(equations, state):
+            return NewtonRun(state, steps, True)
         if steps == most:
-            return NewtonRun(state, system, steps, False)
+            return NewtonRun(state, steps, False)
         chosen = _without_known(equations, before, state, known)
         if chosen is None:
-            return NewtonRun(state, system, steps, False)
+            return NewtonRun(state, steps, False)
         is_adhesive = start is None and steps == 0
         friction = adhesive_rows(equations) if is_adhesive else friction_rows(equations, chosen)
         # Scalars, such as the position of an obstacle, decide what is in the obstacle.
         closed = chosen.closed | (is_adhesive and has_scalars)
-        found = next_forces(equations, closed, friction)
-        if found is None:
-            return NewtonRun(state, system, steps, False, is_singular=True)
-        system, forces = found
+        system = linearised(equations, closed, friction)
+        if system is None:
+            return NewtonRun(state, steps, False, is_singular=True)
+        forces = np.zeros(len(equations.free))
+        forces[system.rows] = system.solve(system.right)
         before, state, steps = chosen, equations.at(forces), steps + 1
 
 

@@ -95,4 +95,4 @@ class _Tries:
         run = self.best
         assert run is not None
         counts = (self._steps, self.sweeps, run.converged)
-        return ExactAnswer(self.problem, self.equations, run.state, run.system, *counts, self._way)
+        return ExactAnswer(self.problem, self.equations, run.state, *counts, self._way)

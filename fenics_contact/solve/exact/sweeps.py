@@ -8,15 +8,11 @@ they have a small compliance, and each sweep begins from the scalars of the swee
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.solve.exact.natural_map import NaturalMap
 from fenics_contact.solve.exact.one_point import OnePoint
-
-# Of the largest entry of the rows of scalars.
-_SINGULAR = 1e-10
-_COMPLIANCE = 1e-2
+from fenics_contact.solve.exact.scalars import Scalars
 
 
 class Sweeps:
@@ -28,7 +24,7 @@ class Sweeps:
 
     def __init__(self, equations: NaturalMap) -> None:
         self._equations, count = equations, equations.count
-        self._scalars = _Scalars(equations)
+        self._scalars = Scalars(equations)
         self._compliance, self._free = self._scalars.without()
         blocks = self._compliance.reshape(
             equations.points, equations.dimension, equations.points, equations.dimension
@@ -86,45 +82,3 @@ class Sweeps:
         return ratio.tolist(), [
             b if f else None for b, f in zip(bound.tolist(), fixed, strict=True)
         ]
-
-
-class _Scalars:
-    """Elimination of the rows of scalars: W_ss r_s = −q_s − W_sp r_p."""
-
-    def __init__(self, equations: NaturalMap) -> None:
-        self._equations, count = equations, equations.count
-        whole = equations.compliance
-        self._to, self._from = whole[:count, count:], whole[count:, :count]
-        self._free = equations.free[count:]
-        own = whole[count:, count:]
-        self._added = np.zeros_like(own)
-        if own.size:
-            size = np.abs(whole[count:]).max()
-            if np.linalg.svd(own, compute_uv=False).min() < _SINGULAR * size:
-                # Of the sign that makes what the scalars leave of W larger.
-                sign = -1.0 if np.sum(self._to.T * self._from) > 0 else 1.0
-                self._added = sign * _COMPLIANCE * size * np.eye(len(own))
-        self._factors = lu_factor(own + self._added) if own.size else None
-
-    def without(self) -> tuple[Array, Array]:
-        """W and q of the points once the scalars are eliminated."""
-        count, equations = self._equations.count, self._equations
-        compliance = equations.compliance[:count, :count]
-        if self._factors is None:
-            return compliance, equations.free
-        compliance = compliance - self._to @ lu_solve(self._factors, self._from)
-        free = equations.free[:count] - self._to @ lu_solve(self._factors, self._free)
-        return compliance, free
-
-    def carried(self, scalars: Array) -> Array | float:
-        """What scalars of the sweep before add to q of the points."""
-        if self._factors is None or not self._added.any():
-            return 0.0
-        return np.asarray(self._to @ lu_solve(self._factors, self._added @ scalars))
-
-    def at(self, forces: Array, before: Array) -> Array:
-        """Scalars at forces of the points."""
-        if self._factors is None:
-            return before
-        right = self._added @ before - self._free - self._from @ forces
-        return np.asarray(lu_solve(self._factors, right))

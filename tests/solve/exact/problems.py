@@ -72,22 +72,47 @@ def one_point(coefficient: float) -> LocalProblem:
 
 
 def violation(answer: ExactAnswer) -> float:
-    """Largest violation of Signorini's and Coulomb's laws, over the largest force and gap."""
-    problem = answer.problem
+    """Largest violation of the laws, over the largest force and gap, by the laws written out."""
+    problem, laws = answer.problem, answer.problem.laws
     size, count = problem.dimension, problem.points * problem.dimension
     gaps = problem.compliance @ answer.forces + problem.free
     force, gap = answer.forces[:count].reshape(-1, size), gaps[:count].reshape(-1, size)
-    bound = problem.laws.coefficient * np.maximum(force[:, 0], 0)
-    slip, along = np.linalg.norm(gap[:, 1:], axis=1), np.linalg.norm(force[:, 1:], axis=1)
     f, g = max(np.abs(force).max(), 1e-300), np.abs(problem.free).max()
-    return float(
-        max(
-            np.max(-force[:, 0]) / f,
-            np.max(-gap[:, 0]) / g,
-            np.abs(force[:, 0] * gap[:, 0]).max() / (f * g),
-            np.max(along - bound) / f,
-            # Where a point slips, friction is at its bound and opposes the slip.
-            np.abs(np.einsum("ij,ij->i", force[:, 1:], gap[:, 1:]) + bound * slip).max() / (f * g),
-            np.abs(gaps[count:]).max(initial=0.0),
-        )
-    )
+    layer = 0.0 if laws.series_compliance is None else laws.series_compliance
+    left = gap[:, 0] + layer * force[:, 0]
+    product = np.abs(force[:, 0] * left) / (f * g)
+    touching = {
+        "unilateral": lambda p: max(-force[p, 0] / f, -left[p] / g, product[p]),
+        "bonded": lambda p: abs(left[p]) / g,
+        "given": lambda p: abs(force[p, 0] - laws.given_force[p]) / f,
+    }
+    alongs = {
+        "none": lambda p: np.abs(force[p, 1:]).max() / f,
+        "bonded": lambda p: np.abs(gap[p, 1:] * force[p, 0]).max() / (f * g),
+        "coulomb": lambda p: friction_violation(answer, p, force[p], gap[p, 1:], f, g),
+    }
+    found = [np.abs(gaps[count:]).max(initial=0.0)]
+    for point in range(problem.points):
+        found.append(touching["unilateral" if laws.across is None else laws.across[point]](point))
+        found.append(alongs["coulomb" if laws.along is None else laws.along[point]](point))
+    return float(max(found))
+
+
+def friction_violation(
+    answer: ExactAnswer, point: int, force: Array, slip: Array, f: float, g: float
+) -> float:
+    """How far the friction at a point is from Coulomb's law, as friction feels its slip."""
+    laws = answer.problem.laws
+    metric = np.eye(len(slip)) if laws.metric is None else laws.metric[point]
+    felt, needed = metric @ slip, np.linalg.solve(metric, force[1:])
+    across = max(force[0], 0.0)
+    bound = laws.coefficient[point] * across
+    if laws.bound is not None:
+        bound = laws.bound(np.full(answer.problem.points, across))[0][point]
+    if laws.fixed_bound is not None and not np.isnan(laws.fixed_bound[point]):
+        bound = laws.fixed_bound[point] * (across > 0)
+    epsilon = 0.0 if laws.elastic_slip is None else laws.elastic_slip[point]
+    if epsilon > 0:
+        return float(np.abs(needed + bound * felt / max(np.linalg.norm(felt), epsilon)).max() / f)
+    work = needed @ felt + bound * np.linalg.norm(felt)
+    return float(max((np.linalg.norm(needed) - bound) / f, abs(work) / (f * g)))
