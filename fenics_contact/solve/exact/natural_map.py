@@ -81,7 +81,7 @@ class NaturalMap:
 
     def __init__(self, problem: LocalProblem) -> None:
         self.problem, scaling, laws = problem, problem.scaling, problem.laws
-        self._laws, self._size = laws, scaling.of_points
+        self._laws, self._size, self._factor = laws, scaling.of_points, 1.0
         self.points, self.dimension = scaling.points, scaling.dimension
         self.count = self.points * self.dimension
         self.compliance = scaling.compliance
@@ -123,7 +123,17 @@ class NaturalMap:
     def bounds(self, force: Array) -> tuple[Array, Array]:
         """Bounds of friction and their slopes at forces ≥ 0, (points,) each, in scaled units."""
         bound, slope = self._laws.bounds(force * self._size)
-        return bound / self._size, slope
+        return self._factor * bound / self._size, self._factor * slope
+
+    def with_bounds_times(self, factor: float) -> NaturalMap:
+        """Return the same equations with other bounds of friction, on the way to an answer.
+
+        Args:
+            factor: By which the bounds are multiplied.
+        """
+        found = copy(self)
+        found._factor = factor
+        return found
 
     def at(self, forces: Array) -> PointState:
         """What the laws say at forces.
