@@ -28,9 +28,10 @@ class Analysis:
         pictures: Regular expression of the names of its pictures, without their endings.
         phase: Name of its time in ``timings``; empty where it has none of its own.
         uses_body: Whether it solves on the body of the answer again, once this is found.
-        goes_with: Which of "motion", "own steps", "cyclic symmetry" and "heat" a scene that asks
-            for it may have: bodies that move, load steps that another analysis takes in its own
-            way, a sector in place of a ring, temperatures that conduction finds.
+        goes_with: Which of "motion", "own steps", "cyclic symmetry", "heat" and "exact contacts" a
+            scene that asks for it may have: bodies that move, load steps that another analysis
+            takes in its own way, a sector in place of a ring, temperatures that conduction finds,
+            contacts without penalty and smoothing.
         own_steps: Whether it takes the load steps of a run in its own way, which its parts
             ``table``, ``task`` and ``words`` say.
         page_of: Name of the file of which it makes a page of its own; empty where it makes none.
@@ -125,7 +126,7 @@ def tables_not_with(scene: Any, what: str) -> list[str]:
 
     Args:
         scene: The scene.
-        what: "motion", "own steps" or "cyclic symmetry".
+        what: As of ``Analysis.goes_with``.
     """
     refused = [analysis for analysis in asked_by(scene) if what not in analysis.goes_with]
     return [key for analysis in refused for key in analysis.asked_by(scene)]

@@ -15,6 +15,7 @@ from fenics_contact.contact.against_body import BodyKinematics
 from fenics_contact.contact.against_obstacle import ObstacleKinematics
 from fenics_contact.contact.contact_forces import ContactForces, ContactWork
 from fenics_contact.contact.kinematics import ContactKinematics
+from fenics_contact.contact.laws.found import FoundTractions
 from fenics_contact.contact.laws.friction import friction_law
 from fenics_contact.contact.laws.friction.law import FrictionLaw
 from fenics_contact.contact.laws.law import ContactLaw
@@ -24,11 +25,14 @@ from fenics_contact.contact.laws.site import ContactPaths, ContactScales, LawSit
 from fenics_contact.contact.laws.terms import FrictionTerm, NormalTerm
 from fenics_contact.contact.laws.wear import Unworn, wear_of
 from fenics_contact.contact.slave_and_master import ContactSides
-from fenics_contact.contact.state import ContactState, LastStep
+from fenics_contact.contact.state import OPEN, SLIP, STICK, ContactState, LastStep
 from fenics_contact.contact.surface.trace import SurfaceSupports
 from fenics_contact.results.contact_points import of_one_contact
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.obstacle import Obstacle
+
+# Of the lengths that a gap is a difference of.
+_ROUND_OFF = 1e-12
 
 
 class ContactSurface:
@@ -55,7 +59,6 @@ class ContactSurface:
         facet_size: Shortest edge of the cells at the contact (length).
         scales: What automatic parameters follow from.
         paths: What drives it at a pseudo-time.
-        penalty_parameter: ε₁ as used (length/stress), 0 without a penalty.
         parameters: What the scene gives of the law across it, by its names.
         force: That drives the obstacle at present, None where none does (force).
         moment: That turns it at present, None where none does (force × length).
@@ -65,6 +68,7 @@ class ContactSurface:
         normal_term: How solvers use the law across it.
         friction_term: How they use the law along it.
         forces: Of both, as solvers balance them.
+        found: What acts at the points where an exact solver found it; None where laws say it.
         wear: What slip wears off.
         work: Of friction and of what goes back along it.
         own_arrays: What these keep of their own at the points, and results have.
@@ -95,13 +99,14 @@ class ContactSurface:
         if named.pushes_only:
             self._move_to_first_contact(key)
         site = LawSite(contact, key, self.kinematics, self.scales, self.paths)
-        self.penalty_parameter = named.penalty_parameter(site)
+        self._penalty_parameter = named.penalty_parameter(site)
         self.parameters = named.parameters(contact)
         self.normal: NormalLaw = acting_law(contact)(site)
         self.friction: FrictionLaw = friction_law(site, self.normal)
         self.normal_term = NormalTerm(self.normal)
         self.friction_term = FrictionTerm(self.friction)
         self.forces = ContactForces(self.trace, self.normal_term, self.friction_term)
+        self.found: FoundTractions | None = None
         self._follow_given()
         before = self.kinematics.gap
         if self.is_one_sided:  # where they overlap at first, pressure pushes the overlap out
@@ -143,8 +148,17 @@ class ContactSurface:
         return self.friction.bound_of(pressure)
 
     @property
+    def penalty_parameter(self) -> float:
+        """ε₁ as used (length/stress), 0 without a penalty."""
+        if self.found is None:
+            return self._penalty_parameter
+        return self.found.penalty_parameter if self.has_penalty else 0.0
+
+    @property
     def regularisation_parameter(self) -> float:
-        """ε as used (length), 0 without friction."""
+        """ε as used (length), 0 without friction, and where that is found without smoothing."""
+        if self.found is not None and self.friction.regularisation.is_numerical:
+            return self.found.regularisation_parameter
         return self.friction.regularisation.parameter
 
     @property
@@ -325,8 +339,37 @@ class ContactSurface:
         """Whether it pushes only: the body may leave it."""
         return self.normal.pushes_only
 
+    def find_forces(self, penalty: float = 0.0, regularisation: float = 0.0) -> None:
+        """Have no forces until an exact solver has found them.
+
+        Args:
+            penalty: ε₁ that it is to find them with (length/stress).
+            regularisation: ε likewise (length).
+        """
+        self.take_found(FoundTractions.none(self.trace.normals, penalty, regularisation))
+
+    def take_found(self, found: FoundTractions | None) -> None:
+        """Have forces that were found act from now on; None: those of the laws again.
+
+        Args:
+            found: At the points.
+        """
+        self.found = found
+        if found is None:
+            self.normal_term.follow_law()
+            self.friction_term.follow_law()
+            return
+        self.friction_term.hold(found.traction)
+        if self.normal.pressure_is_known:
+            self.normal_term.follow_law()
+        else:
+            self.normal_term.hold(found.pressure)
+            self.friction.set_bound(self.friction.bound_of(found.pressure))
+
     def pressure(self) -> Array:
         """Contact pressure at the points at the present jump (stress)."""
+        if self.found is not None and not self.normal.pressure_is_known:
+            return self.found.pressure
         return self.normal.pressure(self.kinematics.jump_at_points())
 
     def follow_pressure(self) -> None:
@@ -343,10 +386,16 @@ class ContactSurface:
         """The state of the points at the present jump: pressure, friction, slip, status."""
         jump = self.kinematics.jump_at_points()
         slip = self.kinematics.tangential(jump)
+        state = (
+            self._state_by_laws(jump, slip) if self.found is None else self._found_state(jump, slip)
+        )
+        return replace(state, own=self._own(state)) if self.own_arrays else state
+
+    def _state_by_laws(self, jump: Array, slip: Array) -> ContactState:
         pressure = self.normal.pressure(jump)
         bound = self.bound_at(pressure)
         closed = self.normal.is_closed(pressure)
-        state = ContactState(
+        return ContactState(
             gap=0.0 - self.normal.depth(jump),
             contact_pressure=pressure,
             friction_traction=self.normal.traction(jump) + self.friction.traction(slip),
@@ -354,7 +403,25 @@ class ContactSurface:
             status=self.friction.status(closed, self.friction.scaled_slip(slip), bound),
             penalty_energy=self.normal.stored(jump),
         )
-        return replace(state, own=self._own(state)) if self.own_arrays else state
+
+    def _found_state(self, jump: Array, slip: Array) -> ContactState:
+        assert self.found is not None
+        closed, sticks = self.found.closed, self.found.sticks
+        return ContactState(
+            gap=self._gap_without_round_off(jump, closed),
+            contact_pressure=self.pressure(),
+            friction_traction=self.found.traction,
+            slip=slip,
+            status=np.where(closed, np.where(sticks, STICK, SLIP), OPEN),
+            penalty_energy=0.5 * self.penalty_parameter * self.found.pressure**2,
+        )
+
+    def _gap_without_round_off(self, jump: Array, closed: Flags) -> Array:
+        """Gaps at the points at a jump, of closed points 0 where they are nothing but round-off."""
+        gap, kinematics = 0.0 - self.normal.depth(jump), self.kinematics
+        lengths = np.linalg.norm(jump, axis=1) + np.linalg.norm(kinematics.motion_at_points, axis=1)
+        lengths += np.where(kinematics.reached, np.abs(kinematics.gap), 0.0) + self.sides.facet_size
+        return np.where(closed & (np.abs(gap) <= _ROUND_OFF * lengths), 0.0, gap)
 
     def _own(self, state: ContactState) -> dict[str, Array]:
         """The laws' own arrays at the end of the present step, by name."""

@@ -106,6 +106,8 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
+            for contact in self.contacts if scene.is_exact else ():
+                contact.find_forces(*contact.contact.exact_parameters)
             self.inertia: Inertia = AtRest(self.contacts, self.spaces)
             for contact in self.contacts if by_points else ():
                 contact.forces.go_by_points()

@@ -120,6 +120,12 @@ WORDS: Mapping[str, CheckWords] = {
         "friction was solved with a bound that is off the pressure's by {share} of the largest; "
         "the loop on the pressure ended too early",
     ),
+    "regularisation": CheckWords(
+        "Forces and peak pressure of a contact, with automatic parameters, against those without "
+        "penalty and smoothing of friction, solved exactly on the same mesh; over the force and "
+        "the peak.",
+        "penalty and smoothing of friction change force or peak pressure by {share}",
+    ),
     "dissipation": CheckWords(
         "Friction acts against the slip at every point; over the largest bound and slip.",
         "friction pushes along the slip, by {share} of the largest bound and slip",

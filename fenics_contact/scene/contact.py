@@ -26,9 +26,9 @@ from fenics_contact.scene.values import (
     PER_AXIS,
     RAMP,
     LoadPath,
+    NotNegative,
     Number,
     Path,
-    Positive,
     Text,
     Value,
     scene_class,
@@ -132,11 +132,11 @@ class Contact:
         ),
     ] = "auto"
     penalty_parameter: Annotated[
-        Positive | Literal["auto"],
+        NotNegative | Literal["auto"],
         COMPLIANCE,
         Field(
             description="the paper's ε₁ of `unilateral` and `bonded` contact: penetration over "
-            "pressure; `auto` keeps its bias below .1 %"
+            "pressure; `auto` keeps its bias below .1 %, 0 solves the contact exactly"
         ),
     ] = "auto"
     foundation_stiffness: Annotated[
@@ -181,9 +181,12 @@ class Contact:
         Field(description="how large friction may be, with keys of its own; by default Coulomb's"),
     ] = None
     regularisation_parameter: Annotated[
-        Positive | Literal["auto"],
+        NotNegative | Literal["auto"],
         LENGTH,
-        Field(description="the paper's ε, a slip; `auto` keeps its bias below .1 %"),
+        Field(
+            description="the paper's ε, a slip; `auto` keeps its bias below .1 %, 0 solves "
+            "friction exactly"
+        ),
     ] = "auto"
     axis: Annotated[
         Annotated[tuple[Number, ...], PER_AXIS] | None,
@@ -286,6 +289,18 @@ class Contact:
             return self.contact
         given = (kind for kind, key in _NEEDS.items() if getattr(self, key) is not None)
         return next(given, "unilateral")
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether it asks for no penalty or no smoothing of friction at all."""
+        return 0 in (self.penalty_parameter, self.regularisation_parameter)
+
+    @property
+    def exact_parameters(self) -> tuple[float, float]:
+        """Parameters ε₁ and ε of an exact solve, as they are given, by default 0."""
+        given = self.penalty_parameter, self.regularisation_parameter
+        first, second = (0.0 if value == "auto" else float(value) for value in given)
+        return first, second
 
     @property
     def fits_motion(self) -> bool:

@@ -79,6 +79,12 @@ class CoreScene(HasUnits):
         return bool(self.temperature or self.heat)
 
     @property
+    def is_exact(self) -> bool:
+        """Whether contacts are solved without penalty, or friction without smoothing."""
+        is_asked = self.solver.strategy == "exact"
+        return is_asked or any(contact.is_exact for contact in self.contact)
+
+    @property
     def is_per_unit_thickness(self) -> bool:
         """Whether forces, areas and energies of the model are per length."""
         return self.dimension == 2 and self.kinematics != "axisymmetric" and self.thickness is None

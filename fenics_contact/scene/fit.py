@@ -9,6 +9,7 @@ from fenics_contact.analyses import registry
 from fenics_contact.scene.body import MeshSource
 from fenics_contact.scene.contact import Contact, kinds_in_motion
 from fenics_contact.scene.core_scene import CoreScene
+from fenics_contact.scene.laws.exact import require_exact
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.loading.load_paths import require_cycles
 from fenics_contact.scene.loading.motion import Motion
@@ -43,6 +44,7 @@ def require_fit(scene: CoreScene) -> None:
     require_cycles(scene)
     _require_motion(scene)
     _require_sector(scene)
+    require_exact(scene)
     for part in registry.parts_of_scene(scene, "table"):
         part.require(scene)
 

@@ -119,11 +119,12 @@ class SolverSettings:
     """
 
     strategy: Annotated[
-        Literal["auto", "campos", "lagged", "monolithic"],
+        Literal["auto", "campos", "lagged", "monolithic", "exact"],
         Field(
             description="of Coulomb friction: `campos` alternates friction and contact (the "
             "paper's), `lagged` solves both with the bound of the last pass, `monolithic` at "
-            "once; `auto` moves on from one to the next where it does not converge"
+            "once; `auto` moves on from one to the next where it does not converge; `exact` solves "
+            "all contacts without penalty and friction without smoothing"
         ),
     ] = "auto"
     solver: Annotated[
@@ -185,6 +186,14 @@ class SolverSettings:
             "the force there must vanish, which the check `stabilisation` confirms"
         ),
     ] = False
+    exact_check: Annotated[
+        Literal["auto"] | Annotated[bool, Strict()],
+        Field(
+            description="whether the last load step is solved once more without penalty and "
+            "smoothing, which measures what these change: `bias` of the results; `auto` where that "
+            "takes little"
+        ),
+    ] = "auto"
 
 
 Share = Annotated[Number, Field(gt=0, lt=1)]

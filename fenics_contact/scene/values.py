@@ -29,6 +29,7 @@ from fenics_contact.scene.units.dimensions import OF_KEY, PLACE, description_of,
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
 Integer = Annotated[int, Strict()]
 Text = Annotated[str, Field(min_length=1)]
 AxisName = Literal["x", "y", "z"]

@@ -169,7 +169,11 @@ def regularisation_of(contact: ContactSurface) -> float | None:
     """The ε of a load step; None where it follows from pressures to come, or there is none."""
     if contact.friction.stores_energy:
         return None  # it is no regularisation, and stands under its own name
-    is_open = contact.is_coulomb and not contact.friction.regularisation.is_known
+    is_open = (
+        contact.found is None
+        and contact.is_coulomb
+        and not contact.friction.regularisation.is_known
+    )
     return None if is_open else contact.regularisation_parameter
 
 
@@ -182,7 +186,7 @@ def _parameters_of(contact: ContactSurface) -> dict[str, Any]:
         given["friction_law"] = said.friction_law.shown
     used = {
         "regularisation_parameter": regularisation_of(contact),
-        "penalty_parameter": contact.penalty_parameter or None,
+        "penalty_parameter": contact.penalty_parameter if contact.has_penalty else None,
         "force": contact.force,
         "interference": contact.kinematics.interference or None,
         **{name: "varies" if callable(value) else value for name, value in given.items()},

@@ -43,6 +43,7 @@ from fenics_contact.trust.convergence.unseen import judged_by_depth
 from fenics_contact.trust.error_estimates.budget import ErrorBudget, unknown_budget
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 from fenics_contact.trust.error_estimates.solving_again import restore
+from fenics_contact.trust.exact_bias import Bias, exact_bias
 from fenics_contact.trust.slip_factor import SlipFactor, slip_factor
 from fenics_contact.trust.uniqueness import OtherAnswers, search_other_solutions
 
@@ -60,6 +61,7 @@ class EndOfRun:
         budget: Estimated errors of its quantities.
         checks: Of the physics.
         slip: By how much varying loads can grow until a part slips as a whole.
+        bias: What penalty and smoothing of friction change, measured.
         notes: Sentences on what could not be found beside the answer.
         interrupted: Whether somebody asked to stop before all of it was found.
     """
@@ -69,6 +71,7 @@ class EndOfRun:
     budget: ErrorBudget = field(default_factory=ErrorBudget)
     checks: dict[str, Check] = field(default_factory=dict)
     slip: SlipFactor = field(default_factory=SlipFactor)
+    bias: Bias = field(default_factory=Bias)
     notes: list[str] = field(default_factory=list)
     interrupted: bool = False
     _unknown: ErrorBudget = field(default_factory=ErrorBudget)
@@ -112,6 +115,24 @@ class EndOfRun:
             self.others = attempt(comm, missing, search, OtherAnswers(), self.notes)
             if self.notes:
                 restore(load_steps)
+
+    def measure_bias(self, load_steps: LoadSteps, timings: Timings) -> None:
+        """Measure what penalty and smoothing change in the last load step; collective.
+
+        Args:
+            load_steps: At their end.
+            timings: To which what it takes is counted.
+        """
+        failed: list[str] = []
+        missing = "What penalty and smoothing change was not measured"
+        with timings.phase("output"):
+            measure = partial(exact_bias, load_steps)
+            self.bias = attempt(load_steps.problem.comm, missing, measure, Bias(), failed)
+        if self.bias.check is not None:
+            self.checks = self.checks | {"regularisation": self.bias.check}
+        self.notes += self.bias.notes + failed
+        if failed:
+            restore(load_steps)
 
     def look_ahead(self, load_steps: LoadSteps, timings: Timings, settings: SolverSettings) -> None:
         """Find by how much loads can grow until a part slips, where that is asked for; collective.
@@ -225,6 +246,7 @@ class ResultOfRun:
                 uniqueness_limit=self.end.others.limit(contact.label),
                 quantities=found,
                 errors=self.end.budget.of_contact(number),
+                bias=self.end.bias.of_contact(number),
             )
             for number, (contact, found) in enumerate(pairs)
         ]
@@ -282,6 +304,7 @@ class ResultOfRun:
             checks=checks,
             branches=self.end.others.branches,
             errors=self.end.budget.quantities,
+            bias=self.end.bias.quantities,
             error_notes=self.end.budget.notes,
             timings=Seconds(**self.timings.summary(problem.comm)),
             versions=compat.versions(),

@@ -163,6 +163,7 @@ class StepsOfRun(StepListener):
         driver, at_end = self._driver, self._listeners.at_end
         self._end.look_beside(load_steps, self._timings, weighs_depth=driver.takes_all)
         if driver.takes_all:
+            self._end.measure_bias(load_steps, self._timings)
             self._end.look_ahead(load_steps, self._timings, self._scene.solver)
         with self._timings.phase("errors"):
             self._end.estimate_errors(load_steps, self._history.steps, driver.budget, at_end)

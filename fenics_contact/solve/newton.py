@@ -12,6 +12,8 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError, StoppedError
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.at_points.exact_step import ExactSolver
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.globalisation import (
     ENERGY_SEARCH,
     ON_THE_WAY,
@@ -27,6 +29,9 @@ from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)
 
+# How often an exact answer is found, each time from the last, until forces are in balance.
+_REFINED = 2
+
 
 class Newton(SnesSolve):
     """Solves of a problem, each from where the last ended; other ways are tried where one fails.
@@ -34,6 +39,7 @@ class Newton(SnesSolve):
     Attributes:
         begin: Where the next solve begins.
         softened: Whether the last solve took softer penalties first: its start is a bad one.
+        exact: Solves the laws of contacts exactly, where the scene asks for that.
 
     Args:
         problem: The problem.
@@ -52,6 +58,9 @@ class Newton(SnesSolve):
         super().__init__(problem, system, timings, stopped)
         self.softened = self._is_held = False
         self.begin = Beginning(problem, system, timings)
+        self.exact: ExactSolver | None = None
+        if problem.scene.is_exact and isinstance(system, CondensedSystem):
+            self.exact = ExactSolver(problem, system)
 
     def run(
         self,
@@ -161,6 +170,35 @@ class Newton(SnesSolve):
         finally:
             self._most = None
         self.system.take(self.system.state)
+
+    def solve_exactly(self, exact: ExactSolver) -> Solution:
+        """Solve the laws of all contacts exactly, at the present loads; collective.
+
+        Args:
+            exact: Of this problem.
+
+        Raises:
+            NotConvergedError: It finds no answer.
+        """
+        system = self.system
+        with self.timings.phase("solve"):
+            for _ in range(_REFINED):
+                answer = exact.solve()
+                self.steps += answer.steps
+                system.balance(system.state, system.residual)
+                self.imbalances.append(system.imbalance())
+                self.limit = max(
+                    self.problem.scene.solver.tolerance * system.forces, system.round_off()
+                )
+                if self.imbalances[-1] <= self.limit:
+                    break
+        if not answer.converged or self.imbalances[-1] > self.limit:
+            raise NotConvergedError(
+                "contact and friction without penalty and smoothing: what is left of their laws is "
+                f"{answer.residual:.1e} of the forces after {self.steps} steps",
+                tuple(self.imbalances),
+            )
+        return self.solution(0, answer.way)
 
     def take_steps(self, most: int) -> None:
         """Take at most so many full steps from the present state; collective.

@@ -23,6 +23,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import held_by_points_alone, is_part_free
+from fenics_contact.solve.at_points.point_laws import why_not
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
 from fenics_contact.solve.condensed.elimination import pays
@@ -238,11 +239,19 @@ def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
             "which only solver.solver = 'full' is there; studies and sweeps, which keep the body, "
             "need a support, a contact or kind = 'rigid' beside it"
         )
+    if problem.scene.is_exact and (left_out := why_not(problem)):
+        raise InputError(
+            f"{left_out}: not beside contacts that are solved exactly; take parameters above 0, or "
+            'leave them out, and a strategy other than "exact"'
+        )
     if wanted == "auto" and points_hold:
         reason = "a coupling in the mean is all that holds a motion of the body"
         choice = SolverChoice("full", reason, memory_estimate(problem, "full"))
     elif wanted == "auto" and problem.conduction is not None:
         reason = "temperatures are found together with contact pressures"
+        choice = SolverChoice("condensed", reason, memory_estimate(problem, "condensed"))
+    elif wanted == "auto" and problem.scene.is_exact:
+        reason = "contacts are solved without penalty and smoothing"
         choice = SolverChoice("condensed", reason, memory_estimate(problem, "condensed"))
     elif wanted == "auto":
         choice = _of_kept_body(problem) if is_kept else _automatic(problem, free)

@@ -61,6 +61,8 @@ def solve_step(newton: Newton) -> Solution:
 
 def _solve_step(newton: Newton) -> Solution:
     problem = newton.problem
+    if newton.exact is not None:
+        return newton.solve_exactly(newton.exact)
     if not problem.coulomb:
         _minimise(newton)
         return newton.solution()
@@ -207,6 +209,8 @@ def take_up_slack(newton: Newton, last: Solution | None) -> None:
     free = [n for n, one in enumerate(scalars) if one.has_slack and not one.is_locked]
     had_none = {number for number in free if abs(before[number]) <= _NONE * largest}
     idle = {number for number in free if scalars[number].force == 0}
+    if newton.exact is not None:  # it needs no start where something bears
+        had_none = idle = had_none & idle
     present = problem.of_body_scalars(system.scalar_values(system.state))
     for number in had_none | idle:
         scalars[number].keep(float(present[number]))

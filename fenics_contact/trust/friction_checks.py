@@ -20,6 +20,8 @@ from fenics_contact.problem.existence.slip_shares import HELD, slip_shares
 from fenics_contact.results.result import Check
 from fenics_contact.trust.comparison import TRACE, Place, nearer_to_failing, worst_of
 
+# Of the largest displacement: a slip that is round-off.
+_NO_SLIP = 1e-11
 # Of the tolerance of the loop, which ends when the last pass changes pressures by less.
 _LOOP_SAFETY = 10.0
 
@@ -110,6 +112,9 @@ def compared_friction(forces: InternalForces) -> list[ComparedFriction]:
         given = solution.friction_force[number] / unit[:, None]
         law = free * contact.kinematics.tangential(given)
         since = contact.friction.effective_slip(solution.states[number].slip)
+        if contact.regularisation_parameter == 0 and trace.nodal:
+            moved = largest(problem.comm, np.abs(forces.displacement))
+            law = free * _without_smoothing(contact, since, moved, bulk, strongest)
         slip = free * since[: len(contact.nodes)]
         metric = contact.friction.rule.metric
         pulled = metric.at(metric.at(since))[: len(contact.nodes)]
@@ -136,6 +141,26 @@ def compared_friction(forces: InternalForces) -> list[ComparedFriction]:
             )
         )
     return found
+
+
+def _without_smoothing(
+    contact: ContactSurface, slip: Array, moved: float, bulk: Array, strongest: float
+) -> Array:
+    """Friction at the nodes as Coulomb's law has it; where nothing slips that of the bulk.
+
+    Args:
+        contact: Whose points are nodes.
+        slip: That the friction law counts, at the points (length).
+        moved: Largest displacement of the body (length).
+        bulk: As of ``ComparedFriction``, at all nodes of the contact.
+        strongest: The largest bound (stress).
+    """
+    felt = contact.friction.rule.metric.at(slip)
+    sizes = np.linalg.norm(felt, axis=1)
+    slides = sizes > _NO_SLIP * moved
+    directions = np.where(slides[:, None], felt / np.where(slides, sizes, 1.0)[:, None], 0.0)
+    law = contact.friction.traction_from_bound(contact.friction_bound, directions) / strongest
+    return np.where(slides[:, None], law, bulk)
 
 
 def _beyond(contact: ContactSurface, bulk: Array, bound: Array, free: Flags) -> Array:
@@ -201,7 +226,11 @@ def friction_cone(contacts: list[ComparedFriction]) -> Check | None:
 
 
 def friction_law(contacts: list[ComparedFriction]) -> Check | None:
-    """|σ_T + g φ_ε′(u_T)| over the largest g (paper, (2.8)): bulk against friction law."""
+    """|σ_T + g φ_ε′(u_T)| over the largest g (paper, (2.8)): bulk against friction law.
+
+    Without smoothing the law says nothing where a point does not slip, but that friction is within
+    its bound (``friction_cone``); where it slips, −g in the direction of the slip.
+    """
 
     def difference(compared: ComparedFriction) -> tuple[float, Place]:
         return compared.worst(np.linalg.norm(compared.bulk - compared.law, axis=1))

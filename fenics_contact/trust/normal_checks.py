@@ -289,6 +289,8 @@ def stick_creep(contacts: list[ComparedFriction], steps: int) -> Check | None:
     """
     worst: Check | None = None
     for compared in contacts:
+        if compared.contact.regularisation_parameter == 0:
+            continue  # nothing creeps: ``friction_law`` asks that
         for check in (_creep_law(compared), _creep_share(compared, steps)):
             worst = worst if check is None else nearer_to_failing(worst, check)
     return worst

@@ -47,7 +47,7 @@ INSIDE = {
     "contact": ("surface", "mortar", "kinematics", "laws"),
     "report": ("drawing", "contacts", "bodies", "page"),
     "solve": (
-        *("systems", "condensed", "iterative"),
+        *("systems", "condensed", "iterative", "exact", "at_points"),
         *("newton_failure", "initial_guess", "snes_solve", "newton"),
         *("without_friction", "monolithic", "alternating_loop", "strategies", "load_steps"),
     ),

@@ -257,7 +257,7 @@ def test_obstacle_is_a_table_of_its_contact(folder):
         ("[4, 1]", "4", "position_is_no_list"),
         ("indentation", "force = 3\nindentation", "indentation_and_force_in_file"),
         ("1e-8", '"soft"', "penalty_is_a_word"),
-        ("1e-8", "0", "penalty_is_zero"),
+        ("1e-8", "-1", "penalty_is_negative"),
         ("[contact.obstacle]", "[contact.obstacles]", "unknown_key_obstacles"),
         ("[mesh]", '[half_space]\non = ["bottom"]\n[mesh]', "half_space_with_load_in_file"),
     ],

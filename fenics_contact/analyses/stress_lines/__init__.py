@@ -8,5 +8,5 @@ ANALYSIS = Analysis(
     records=("lines",),
     files=r"lines\.csv",
     pictures=r"line_\d+",
-    goes_with=("cyclic symmetry", "heat"),
+    goes_with=("cyclic symmetry", "heat", "exact contacts"),
 )

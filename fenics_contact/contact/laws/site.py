@@ -167,8 +167,11 @@ class ContactScales:
             self.moduli = self.moduli.against(elastic.moduli_behind(sides.opposite.nodes))
 
     def penalty_parameter(self, given: float | Literal["auto"]) -> float:
-        """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %."""
-        if given != "auto":
+        """The scene's ε₁, or one whose bias in force and peak pressure is below .1 %.
+
+        So it is for 0, too: an exact solver begins with what a penalty would find.
+        """
+        if given != "auto" and given > 0:
             return float(given)
         return _PENALTY_SHARE * self.facet_size / self.moduli.confined
 

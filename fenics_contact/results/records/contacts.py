@@ -68,10 +68,11 @@ class ContactRecord(Record):
             one.
         quantities: Of this contact alone; empty without an answer.
         errors: Estimated errors of these.
+        bias: Of these, as that of the whole model.
     """
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
-        {"arrays", "slave", "master", "slave_reason", "uniqueness_limit", "errors"}
+        {"arrays", "slave", "master", "slave_reason", "uniqueness_limit", "errors", "bias"}
     )
 
     name: str
@@ -86,6 +87,7 @@ class ContactRecord(Record):
     uniqueness_limit: float | None = None
     quantities: Quantities
     errors: Errors = field(default_factory=dict)
+    bias: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def own_arrays(self) -> tuple[PointArray, ...]:

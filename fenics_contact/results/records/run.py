@@ -204,6 +204,8 @@ class Outcome(Record):
         damping: What joints damp of them at each amplitude, likewise.
         stability: Whether steady sliding about the last state lasts, where it was asked for.
         further: Name → what an analysis found that is registered from outside.
+        bias: Quantity → the exact answer, without penalty and smoothing of friction, less this one,
+            a number or a list; null where it was not found; left out where it was not looked for.
         error_notes: Sentences that say which errors were not estimated, and why.
         timings: Where the time went.
         versions: Program or library → version.
@@ -213,7 +215,16 @@ class Outcome(Record):
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
         {
-            *("accuracy", "cycles", "damping", "derivatives", "fretting", "further", "modes"),
+            *(
+                "accuracy",
+                "bias",
+                "cycles",
+                "damping",
+                "derivatives",
+                "fretting",
+                "further",
+                "modes",
+            ),
             "cyclic_symmetry",
             *("couplings", "lines", "preloads", "slip_limit", "stability", "uncertainty", "units"),
         }
@@ -245,6 +256,7 @@ class Outcome(Record):
     damping: list[DampingRecord] = field(default_factory=list)
     stability: StabilityRecord | None = None
     further: Mapping[str, Any] = field(default_factory=dict)
+    bias: Mapping[str, Any] = field(default_factory=dict)
     error_notes: list[str] = field(default_factory=list)
     timings: Seconds
     versions: Mapping[str, str]

@@ -131,6 +131,26 @@ class ContactJump:
         found[self.columns] += of_jump[self.rows]
         return found
 
+    @property
+    def motions(self) -> csr_matrix:
+        """B over all of Q y, (rows, width)."""
+        return self._over_all(self.motion)
+
+    @property
+    def works(self) -> csr_matrix:
+        """L over all of Q y, (rows, width)."""
+        return self._over_all(self.work)
+
+    def _over_all(self, of_scalars: Array) -> csr_matrix:
+        """Its own unknown of each row, and what the scalars do to it, (rows, width)."""
+        rows, numbers = np.nonzero(of_scalars)
+        values = np.concatenate([np.ones(len(self.rows)), of_scalars[rows, numbers]])
+        places = (
+            np.concatenate([self.rows, rows]),
+            np.concatenate([self.columns, self.count + numbers]),
+        )
+        return csr_matrix((values, places), (len(self.relative), self.width))
+
     def relative_to(self, chosen: Integers) -> csr_matrix:
         """The displacement over some of the unknowns, none of which is a scalar."""
         shape = (len(self.relative), self.width)

@@ -20,14 +20,15 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.parallel import from_root
 from fenics_contact.common.timings import Timings
+from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
-from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts
+from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts, ContactJump
 from fenics_contact.solve.condensed.condensed_loads import PresentLoads
 from fenics_contact.solve.condensed.split_solver import LEFT, LEFT_AT_MOST, SplitSolver
-from fenics_contact.solve.condensed.tangent import TangentOperator
+from fenics_contact.solve.condensed.tangent import ContactTangent, TangentOperator
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.solution import BodyAnswer, FindBody, LazyDisplacement
 from fenics_contact.solve.systems.system import System
@@ -47,6 +48,7 @@ class CondensedSystem(System):
         stiffness: That of each rank's cells.
         dofs: The contact dofs.
         held: Which of this rank's unknowns of the stiffness supports hold.
+        version: Changes when what faces what, or what scalars do, has changed.
 
     Args:
         problem: The problem.
@@ -69,7 +71,7 @@ class CondensedSystem(System):
         self._root = self.comm.rank == 0
         self._timings = timings
         self._is_own = body is None  # then it ends with the system
-        self.factorisations = 0
+        self.factorisations = self.version = 0
         self._take_body(body or self._condense())
 
     def _condense(self) -> CondensedBody:
@@ -96,12 +98,29 @@ class CondensedSystem(System):
 
     def _place_contacts(self) -> None:
         """The contacts over the unknowns, and their tangent; collective."""
+        self.version += 1
         known = self.problem, self.body, self._surfaces, self._scalar_loads
         self._contacts = CondensedContacts(*known, ends_with_body=self._is_own)
         self._dense = self._contacts.tangent
         self._count = self._contacts.kept.count
         self._present: PresentLoads | None = None
         self.is_sprung = bool(self._contacts.sprung.size)
+
+    @property
+    def dense_tangent(self) -> ContactTangent | None:
+        """The tangent, on rank 0; None on others."""
+        return self._dense
+
+    @property
+    def width(self) -> int:
+        """Number of unknowns that contacts are coupled with, on every rank."""
+        return self._contacts.size
+
+    def jump_of(self, contact: ContactSurface) -> ContactJump:
+        """The jump of a contact that exerts forces, over the unknowns."""
+        found = self._contacts.jumps[self.problem.contacts.index(contact)]
+        assert found is not None
+        return found
 
     def update_pairing(self) -> None:
         """Update the pairing of contacts, without another factorisation of the bulk; collective."""
@@ -117,6 +136,7 @@ class CondensedSystem(System):
         self.body.renew_scalars()
         self._scalar_loads = [self.body.scalar_load(one) for one in self.problem.unknowns]
         self._contacts.follow_scalars(self._scalar_loads)
+        self.version += 1
         self._present = None
 
     def _set_state(self, position: Array, scalars: Array) -> None:

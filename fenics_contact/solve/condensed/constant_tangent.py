@@ -209,6 +209,8 @@ class ComplianceSolver:
 
     Attributes:
         compliant: Numbers of the displacements, then of the derived jumps, among all of Q y.
+        inverse: A⁻¹ with springs, of all of Q y.
+        added: Stiffness of the spring of each unknown, mostly 0, (unknowns,).
     """
 
     def __init__(self, constant: ConstantTangent) -> None:
@@ -217,35 +219,35 @@ class ComplianceSolver:
         self.compliant = np.delete(np.arange(constant.width), range(count, size))
         corner, columns = constant.corner, constant.columns
         # A resultant's own entry is 1; a driven obstacle, which has none, gets a spring.
-        self._added = np.zeros(size)
-        self._added[count:] = np.where(corner > 0, 0.0, constant.stiffest)
-        self._inverse, self._added[:count] = constant.of_schur.compliance
+        self.added = np.zeros(size)
+        self.added[count:] = np.where(corner > 0, 0.0, constant.stiffest)
+        self.inverse, self.added[:count] = constant.of_schur.compliance
         if size > count:
-            own = np.diag(1 / (corner + self._added[count:]))
+            own = np.diag(1 / (corner + self.added[count:]))
             whole = np.zeros((size, size))
-            whole[:count, :count] = self._inverse
-            whole[:count, count:] = -(self._inverse @ columns) @ own
+            whole[:count, :count] = self.inverse
+            whole[:count, count:] = -(self.inverse @ columns) @ own
             whole[count:, count:] = own
-            self._inverse = whole
+            self.inverse = whole
         if len(constant.derived):
             self._extend(constant.derived)
-        self._springs: Integers = np.flatnonzero(self._added)
+        self._springs: Integers = np.flatnonzero(self.added)
         self._block: tuple[Integers, Array] | None = None  # what acted last, and A⁻ᵀ between it
 
     def _extend(self, derived: Array) -> None:
         """Rows and columns for the derived jumps."""
         count = self._constant.count
-        below = derived @ self._inverse[:count]
-        beside = self._inverse[:, :count] @ derived.T
+        below = derived @ self.inverse[:count]
+        beside = self.inverse[:, :count] @ derived.T
         corner = below[:, :count] @ derived.T
-        self._inverse = np.block([[self._inverse, beside], [below, corner]])
+        self.inverse = np.block([[self.inverse, beside], [below, corner]])
 
     @property
     def compliance(self) -> Array | None:
         """S⁻¹ with that of derived jumps, of ``compliant``; None where S lets a body move."""
-        if self._added[: self._constant.count].any():
+        if self.added[: self._constant.count].any():
             return None
-        return self._inverse[np.ix_(self.compliant, self.compliant)]
+        return self.inverse[np.ix_(self.compliant, self.compliant)]
 
     def between(
         self,
@@ -272,8 +274,8 @@ class ComplianceSolver:
         rows, columns, values = added
         if self._springs.size:
             rows, columns = (np.concatenate([p, self._springs]) for p in (rows, columns))
-            values = np.concatenate([values, -self._added[self._springs]])
-        acts = np.zeros(len(self._inverse), dtype=bool)
+            values = np.concatenate([values, -self.added[self._springs]])
+        acts = np.zeros(len(self.inverse), dtype=bool)
         acts[rows] = acts[columns] = True
         self._active: Integers = np.flatnonzero(acts)
         place = np.cumsum(acts) - 1
@@ -294,14 +296,14 @@ class ComplianceSolver:
         first = np.concatenate([[0], np.cumsum(np.bincount(columns, minlength=size))])
         transposed = csr_matrix((values[order], rows[order], first), shape=(size, size))
         if self._block is None or not np.array_equal(self._block[0], self._active):
-            inverse = self._inverse.T[np.ix_(self._active, self._active)]
+            inverse = self.inverse.T[np.ix_(self._active, self._active)]
             self._block = self._active, inverse
         return np.asarray(transposed @ self._block[1]).T
 
     def solve(self, right: Array) -> Array:
         """M⁻¹ r; not a number where M is singular."""
         size = len(right)
-        free = self._inverse[:, :size] @ right
+        free = self.inverse[:, :size] @ right
         if self._factor is None:
             return np.asarray(free[:size])
         *pivoted, singular = self._factor
@@ -311,25 +313,25 @@ class ComplianceSolver:
         rows, columns, values = self._extra
         pushed = np.zeros(len(free))  # all of it: to take columns out of a matrix copies them
         pushed[self._active] = np.bincount(rows, values * active[columns], len(active))
-        found = free - self._inverse @ pushed
+        found = free - self.inverse @ pushed
         found[self._active] = active  # no difference of long numbers under a stiff penalty
         return np.asarray(found[:size])
 
     def solve_transposed(self, right: Array) -> Array:
         """M⁻ᵀ r; not a number where M is singular."""
         size, active = len(right), self._active
-        free = right @ self._inverse[:size]
+        free = right @ self.inverse[:size]
         if self._factor is None:
             return np.asarray(free[:size])
         rows, columns, values = self._extra
         stiffness = csr_matrix((values, (rows, columns)), shape=(len(active),) * 2)
         if self._transposed is None:
-            moved = stiffness @ self._inverse[np.ix_(active, active)]
+            moved = stiffness @ self.inverse[np.ix_(active, active)]
             self._transposed = lapack.dgetrf(np.eye(len(active)) + moved.T)
         *pivoted, singular = self._transposed
         if singular:
             return np.full(size, np.nan)
         forces, _ = lapack.dgetrs(*pivoted, free[active])
-        found = free - (stiffness.T @ forces) @ self._inverse[active]
+        found = free - (stiffness.T @ forces) @ self.inverse[active]
         found[active] = forces
         return np.asarray(found[:size])

@@ -95,6 +95,11 @@ class ScalarBorder:
     M is the tangent of the condensed bulk and the contacts with all these scalars held. So it can
     be solved wherever the whole can.
 
+    Attributes:
+        columns: C.
+        corner: D, without what ``stiffen`` adds.
+        held: Which scalars are held.
+
     Args:
         columns: C, (unknowns of M, scalars).
         corner: D.
@@ -102,10 +107,10 @@ class ScalarBorder:
     """
 
     def __init__(self, columns: Array, corner: Array, units: Array) -> None:
-        self._columns, self._corner, self._units = columns, corner, units
+        self.columns, self.corner, self._units = columns, corner, units
         self._added = np.zeros_like(corner)
         self._solved: Array | None = None
-        self._held = np.zeros(len(corner), dtype=bool)
+        self.held = np.zeros(len(corner), dtype=bool)
 
     @classmethod
     def empty(cls, size: int) -> ScalarBorder:
@@ -115,7 +120,12 @@ class ScalarBorder:
     @property
     def count(self) -> int:
         """Number of scalars."""
-        return len(self._corner)
+        return len(self.corner)
+
+    @property
+    def stiffest(self) -> Array:
+        """Stiffness of a spring for each scalar, about that of what it moves (force/length)."""
+        return np.abs(self._units)
 
     def forget(self) -> None:
         """M has changed."""
@@ -123,7 +133,7 @@ class ScalarBorder:
 
     def hold(self, held: Flags) -> None:
         """Say which scalars are held, (scalars,)."""
-        self._held = held
+        self.held = held
 
     def stiffen(self, added: Array) -> None:
         """Say what D has besides in the tangent, (scalars, scalars): it changes with the answer."""
@@ -140,12 +150,12 @@ class ScalarBorder:
             inner: y.
             scalars: q.
         """
-        own = self._columns.T @ inner + self._corner @ scalars
-        return self._columns @ scalars, own
+        own = self.columns.T @ inner + self.corner @ scalars
+        return self.columns @ scalars, own
 
     def magnitude(self, inner: Array, scalars: Array) -> float:
         """Sum over all rows of ``times`` with the absolute values of all entries."""
-        columns, corner = np.abs(self._columns), np.abs(self._corner)
+        columns, corner = np.abs(self.columns), np.abs(self.corner)
         return float((columns @ scalars).sum() + (columns.T @ inner + corner @ scalars).sum())
 
     def solve(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
@@ -158,13 +168,13 @@ class ScalarBorder:
         if self.count == 0:
             return solve_inner(right)
         if self._solved is None:
-            self._solved = np.column_stack([solve_inner(column) for column in self._columns.T])
+            self._solved = np.column_stack([solve_inner(column) for column in self.columns.T])
         rows, corner = self._own_rows
         return _eliminated(right, solve_inner, self._solved, rows, corner)
 
     def around(self, split: SplitSolver) -> BorderedSplit:
         """The whole matrix, as GMRES needs it, where M is solved in stiff and soft parts."""
-        return BorderedSplit(split, self._columns, *self._own_rows)
+        return BorderedSplit(split, self.columns, *self._own_rows)
 
     def solve_transposed(self, right: Array, solve_inner: Callable[[Array], Array]) -> Array:
         """Solve with the transpose of the whole, by M⁻ᵀ; the arguments are those of ``solve``."""
@@ -172,15 +182,13 @@ class ScalarBorder:
             return solve_inner(right)
         rows, corner = self._own_rows
         solved = np.column_stack([solve_inner(row) for row in rows])
-        return _eliminated(right, solve_inner, solved, self._columns.T, corner.T)
+        return _eliminated(right, solve_inner, solved, self.columns.T, corner.T)
 
     @property
     def _own_rows(self) -> tuple[Array, Array]:
         """Cᵀ and D with unit rows for scalars that are held."""
-        held, units = self._held[:, None], np.diag(self._units)
-        return np.where(held, 0.0, self._columns.T), np.where(
-            held, units, self._corner + self._added
-        )
+        held, units = self.held[:, None], np.diag(self._units)
+        return np.where(held, 0.0, self.columns.T), np.where(held, units, self.corner + self._added)
 
 
 class BorderedSplit:

@@ -62,7 +62,8 @@ def remember(contact: ContactSurface) -> ContactMemory:
         | {"bound": contact.friction_bound.copy()}
         | contact.last_step.at_points()
         | contact.normal.kept()
-        | contact.wear.kept(),
+        | contact.wear.kept()
+        | ({} if contact.found is None else contact.found.kept()),
         paired_at=kinematics.paired_at,
         dissipated_before=contact.last_step.dissipated_before,
         angle=kinematics.angle,
@@ -85,10 +86,9 @@ def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     done = memory.dissipated, memory.left_open, memory.dissipated_before
     contact.last_step.restore(memory.at_points, *done)
     contact.normal.recall(memory.at_points)
-    contact.normal_term.follow_law()
     contact.friction.regularisation.recall(memory.regularisation_parameter, memory.is_scaled)
     contact.friction.recall(memory.at_points)
-    contact.friction_term.follow_law()
+    contact.take_found(None if contact.found is None else contact.found.recalled(memory.at_points))
     contact.wear.recall(memory.at_points)
     contact.kinematics.overlap_by(contact.kinematics.interference, contact.wear.depth)
     contact.normal.set_gap(contact.kinematics.gap)

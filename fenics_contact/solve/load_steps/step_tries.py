@@ -270,6 +270,7 @@ class StepTries(StepRollback):
         newton, problem = self.newton, self.problem
         self.go_back()
         goes = problem.scene.solver.strategy in _BY_TURNS and bool(problem.coulomb)
+        goes = goes and newton.exact is None
         if not (goes and is_held_by_friction(problem)):
             return None
         logger.info("time %g: next: with points that close by turns", time)
@@ -336,6 +337,8 @@ class StepTries(StepRollback):
         """
         if self._near is not None:
             return self._near
+        if self.newton.exact is not None:
+            return None
         if self.last is None:
             return self._guess
         if not all(contact.friction.follows_path for contact in self.problem.coulomb):

@@ -110,7 +110,8 @@ class Estimates:
         self._most = max(int(share * max(self._own_steps, _FEW)), 1)
         is_short = len(self._times) <= _SHORT and self._can_repeat
         self._takes_all = self._wants_all or is_short
-        self._is_linear = self._is_cheap and not (self._can_repeat or self._wants_all)
+        is_smooth = load_steps.newton.exact is None
+        self._is_linear = self._is_cheap and is_smooth and not (self._can_repeat or self._wants_all)
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
         """Return the errors of all sources, {} for one that the scene lacks; and notes."""
@@ -118,12 +119,12 @@ class Estimates:
 
     def _has(self, source: str) -> bool:
         problem = self._problem
+        is_exact = self._load_steps.newton.exact is not None
         return {
             "mesh": True,
-            "penalty": any(contact.has_penalty for contact in problem.contacts),
-            "regularisation": any(
-                one.friction.regularisation.is_numerical for one in problem.contacts
-            ),
+            "penalty": any(contact.has_penalty for contact in problem.contacts) and not is_exact,
+            "regularisation": not is_exact
+            and any(one.friction.regularisation.is_numerical for one in problem.contacts),
             "iteration": True,
             "step": _remembers(problem),
             "domain": problem.far_field is not None,

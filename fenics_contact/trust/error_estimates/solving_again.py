@@ -273,6 +273,8 @@ def newton_again(
         NotConvergedError: As ``Newton.run``.
     """
     newton, problem = load_steps.newton, load_steps.problem
+    if newton.exact is not None:
+        return newton.solve_exactly(newton.exact)
     for contact in problem.coulomb:
         contact.friction_term.follow_pressure()
     if roughly and not newton.system.repeats_cheaply:

@@ -268,7 +268,7 @@ class Regularisation:
     ) -> None:
         self._site, self._rule, self._acts = site, rule, has_friction
         self.is_numerical = has_friction and rule.longest_elastic_slip is None
-        given = rule.longest_elastic_slip or site.contact.regularisation_parameter
+        given = rule.longest_elastic_slip or site.contact.regularisation_parameter or "auto"
         self.is_automatic = self.is_numerical and given == "auto"
         self.follows_pressure = self.is_automatic and not pressure_is_known
         self.chosen, self._share = 1.0, 1.0

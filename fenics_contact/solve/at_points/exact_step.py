@@ -1,0 +1,137 @@
+"""Contact and friction solved exactly at the contact points: without penalty and smoothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fenics_contact.common.arrays import Array, Flags
+from fenics_contact.common.parallel import from_root
+from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import OPEN, STICK
+from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.at_points.contact_points import ContactPoints
+from fenics_contact.solve.at_points.point_laws import laws_of
+from fenics_contact.solve.at_points.point_operator import PointOperator
+from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.exact.local_problem import LocalProblem
+from fenics_contact.solve.exact.solver import solve
+
+
+@dataclass(frozen=True, eq=False)
+class ExactForces:
+    """Forces at the points of all contacts, the same on every rank.
+
+    Attributes:
+        rows: Of each point, across and along, then the feet of springs (force; length).
+        closed: Points that touch, (points,).
+        sticks: Those of these that stick.
+        steps: Newton steps that it took, those of failed tries and sweeps included.
+        converged: Whether it is an answer.
+        residual: What is left of the laws, over the forces.
+        way: How it was found, in words.
+    """
+
+    rows: Array
+    closed: Flags
+    sticks: Flags
+    steps: int
+    converged: bool
+    residual: float
+    way: str
+
+
+class ExactSolver:
+    """Solves the laws of all contacts of a condensed problem at their points.
+
+    Args:
+        problem: Whose laws are covered (``point_laws.why_not``).
+        system: The problem, condensed.
+    """
+
+    def __init__(self, problem: Problem, system: CondensedSystem) -> None:
+        self._problem, self._system = problem, system
+        self._of: tuple[object, ...] = ()
+        self._operator: PointOperator | None = None
+        self._last: Array | None = None
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of all points; collective."""
+        return self._present().rows
+
+    def solve(self) -> ExactForces:
+        """Take the system and its contacts to the exact answer at the present loads; collective.
+
+        It begins from the last answer, if there is one, else from points that stick wherever the
+        surfaces overlap.
+        """
+        operator = self._present()
+        for one in operator.points:
+            one.contact.find_forces(*self._parameters(one.contact))
+        free, laws = operator.free_openings(), laws_of(operator.points)
+        found = None
+        if operator.compliance is not None:
+            feet = len(free) - operator.rows
+            problem = LocalProblem(operator.compliance, free, laws, self._weights, scalars=feet)
+            found = _solved(problem, self._last)
+        answer = from_root(self._system.comm, found)
+        assert answer is not None
+        self._act(operator, answer)
+        if answer.converged:
+            self._last = answer.rows.copy()
+            self._last[operator.rows :] = 0.0  # feet are told from where the state is now
+        return answer
+
+    def _parameters(self, contact: ContactSurface) -> tuple[float, float]:
+        """ε₁ and ε: of scenes that ask for exact contacts as they are given, else none."""
+        return contact.contact.exact_parameters if self._problem.scene.is_exact else (0.0, 0.0)
+
+    def _present(self) -> PointOperator:
+        """How forces move points as they are paired, and with scalars held, now; collective."""
+        of = (self._system.version, *self._system.held_scalars)
+        operator = self._operator
+        if operator is None or of != self._of:
+            acting = [contact for contact in self._problem.contacts if contact.forces.terms]
+            points = [ContactPoints(contact) for contact in acting]
+            operator = self._operator = PointOperator(self._system, points)
+            self._weights = np.concatenate([one.weights for one in points])
+            self._of, self._last = of, None
+        return operator
+
+    @staticmethod
+    def _act(operator: PointOperator, answer: ExactForces) -> None:
+        """Have the forces act; collective."""
+        first = 0
+        for one in operator.points:
+            last = first + one.count
+            rows = answer.rows[first * one.size : last * one.size].reshape(-1, one.size)
+            pressure, traction = one.tractions(rows)
+            closed, sticks = (
+                one.flags(which[first:last]) for which in (answer.closed, answer.sticks)
+            )
+            assert one.contact.found is not None
+            found = replace(
+                one.contact.found,
+                pressure=pressure,
+                traction=traction,
+                closed=closed,
+                sticks=sticks,
+            )
+            one.contact.take_found(found)
+            first = last
+        operator.move(answer.rows)
+
+
+def _solved(problem: LocalProblem, start: Array | None) -> ExactForces:
+    answer = solve(problem, start)
+    return ExactForces(
+        rows=answer.forces,
+        closed=answer.statuses != OPEN,
+        sticks=answer.statuses == STICK,
+        steps=answer.steps + answer.sweeps,
+        converged=answer.converged,
+        residual=answer.residual,
+        way=answer.way,
+    )
