@@ -62,6 +62,7 @@ class EndOfRun:
         checks: Of the physics.
         slip: By how much varying loads can grow until a part slips as a whole.
         bias: What penalty and smoothing of friction change, measured.
+        slip_errors: Estimated errors of that by source; empty where they are not.
         notes: Sentences on what could not be found beside the answer.
         interrupted: Whether somebody asked to stop before all of it was found.
     """
@@ -72,6 +73,7 @@ class EndOfRun:
     checks: dict[str, Check] = field(default_factory=dict)
     slip: SlipFactor = field(default_factory=SlipFactor)
     bias: Bias = field(default_factory=Bias)
+    slip_errors: dict[str, float | None] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     interrupted: bool = False
     _unknown: ErrorBudget = field(default_factory=ErrorBudget)
@@ -271,13 +273,16 @@ class ResultOfRun:
         cycles = attempt(problem.comm, "Losses of cycles were not found", count, None, notes)
         missing = "How near parts are to slipping was not found"
         near = attempt(problem.comm, missing, history.slip_limit, None, notes)
-        slip = self.end.slip
+        slip, errors = self.end.slip, self.end.budget.quantities
         if near is not None and slip.factor is not None:
             near = dataclasses.replace(
                 near, factor=slip.factor, kind=slip.kind, motion=slip.motion or near.motion
             )
-            known = {} if slip.is_bound else {SLIP_FACTOR: slip.factor}
-            quantities = {**quantities, **known}
+            if not slip.is_bound:
+                quantities = {**quantities, SLIP_FACTOR: slip.factor}
+            if self.end.slip_errors:
+                near = dataclasses.replace(near, errors={"factor": self.end.slip_errors})
+                errors = {**errors, SLIP_FACTOR: self.end.slip_errors}
         said = verdict.with_unresolved(verdict.of_checks(checks), problem, solution, notes)
         said += verdict.remarks(problem, solution, history.steps, open_share, notes)
         return Result(
@@ -303,7 +308,7 @@ class ResultOfRun:
             slip_limit=near,
             checks=checks,
             branches=self.end.others.branches,
-            errors=self.end.budget.quantities,
+            errors=errors,
             bias=self.end.bias.quantities,
             error_notes=self.end.budget.notes,
             timings=Seconds(**self.timings.summary(problem.comm)),

@@ -34,6 +34,7 @@ from fenics_contact.simulation.state_file import SavedRun, StateFile
 from fenics_contact.simulation.step_history import StepHistory
 from fenics_contact.simulation.steps_of_run import RunListeners, StepsOfRun, by_default
 from fenics_contact.simulation.studies.kept_body import KeptBody, mesh_of
+from fenics_contact.simulation.studies.slip_factor_errors import SlipFactorErrors
 from fenics_contact.solve.condensed.part_factors import KnownFactors
 from fenics_contact.solve.load_steps.accepted_step import Unknowns
 from fenics_contact.solve.load_steps.load_stepper import begin_motion
@@ -280,6 +281,8 @@ class Run:
             return self._result.interrupted()
         if self.scene.motion is not None and self.scene.solver.errors == "all":
             self._judge_motion()
+        if self.scene.solver.slip_limit == "steps" and self.scene.solver.errors == "all":
+            self._judge_slip_factor()
         result = self._result.evaluate()
         if self.end.interrupted:
             words = f"{result.verdict} {_INTERRUPTED}"
@@ -302,6 +305,16 @@ class Run:
         with self.timings.phase("errors"), silently():
             parts = self.scene, self.problem.spaces, self.contacts(), self.steps[-1]
             self.end.take_budget(self.problem.comm, MotionErrors(*parts, self._again).budget)
+
+    def _judge_slip_factor(self) -> None:
+        """Estimate the errors of the factor at which a part slips, if it is known; collective."""
+        slip = self.end.slip
+        if slip.factor is None or slip.is_bound:
+            return
+        with self.timings.phase("errors"), silently():
+            parts = self.scene, self.problem.spaces, self.contacts(), slip
+            found = SlipFactorErrors(*parts, self._again)
+            self.end.slip_errors = found.row(self.end.notes)
 
     def with_all_asked(self, result: Result) -> Result:
         """With what analyses of the scene find once the answer is there, if any; collective.

@@ -46,11 +46,14 @@ class SlipFactor:
         kind: How it was found: ``pressures held``, ``load steps`` or ``upper bound``; empty if it
             was not.
         motion: Of an upper bound, that which runs there, in words.
+        bracket: How far parts may slip before or after it, as loads were not taken there; None if
+            that cannot be told.
     """
 
     factor: float | None = None
     kind: str = ""
     motion: str = ""
+    bracket: float | None = 0.0
 
     @property
     def is_bound(self) -> bool:
@@ -115,8 +118,11 @@ def slip_factor(load_steps: LoadSteps, by_steps: bool) -> SlipFactor:
         return SlipFactor()
     bound = growth_limit(problem, growth.varying, 1.0)
     is_reached = bound is None or first <= bound.factor * (1 + _NEAR)
-    if first - 1 <= _NEAR or (is_reached and _stays(growth, first)):
-        return SlipFactor(first, HELD)
+    if first - 1 <= _NEAR:
+        return SlipFactor(first, HELD, bracket=first - 1)
+    moves = _moves(growth, first) if is_reached else None
+    if moves is not None and moves <= _SAME * first:
+        return SlipFactor(first, HELD, bracket=moves)
     found = _by_steps(growth, first, bound) if by_steps else SlipFactor()
     if found.factor is not None or bound is None:
         return found
@@ -133,11 +139,14 @@ def _varying_load(problem: Problem, before: float) -> Array:
     return found
 
 
-def _stays(growth: _Growth, first: float) -> bool:
-    """Whether the factor stays until it is reached, by how it moves at first; collective."""
+def _moves(growth: _Growth, first: float) -> float | None:
+    """How far the factor moves until it is reached, by how it does at first; collective.
+
+    None where slightly larger loads have no answer.
+    """
     grown = min(_MORE, (first - 1) / 2)
     more = growth.limit_at(1 + grown)
-    return more is not None and abs(more - first) * (first - 1) / grown <= _SAME * first
+    return None if more is None else abs(more - first) * (first - 1) / grown
 
 
 def _by_steps(growth: _Growth, first: float, bound: GrowthLimit | None) -> SlipFactor:
@@ -147,9 +156,10 @@ def _by_steps(growth: _Growth, first: float, bound: GrowthLimit | None) -> SlipF
     """
     most = np.inf if bound is None else bound.factor
     factor, limit, way = 1.0, min(first, most), _WAY
+    moves = 0.0  # by how much the limit does over the factor
     for _ in range(_TRIES):
         if limit - factor <= _NEAR * factor:
-            return SlipFactor(limit, STEPS)
+            return SlipFactor(limit, STEPS, bracket=_bracket(factor, limit, moves, most))
         if factor > MOST:
             break
         tried = factor + way * (limit - factor)
@@ -157,5 +167,24 @@ def _by_steps(growth: _Growth, first: float, bound: GrowthLimit | None) -> SlipF
         if found is None:
             way /= 2
             continue
+        moves = (min(found, most) - limit) / (tried - factor)
         factor, limit = tried, min(found, most)
     return SlipFactor()
+
+
+def _bracket(factor: float, limit: float, moves: float, most: float) -> float | None:
+    """How far parts may slip before or after a limit; None if that cannot be told.
+
+    Before: the loads hold up to the factor. After: where the limit L grows with the factor f, as
+    more and more points slide, L − f closes as a power of what is left, at most the square of it;
+    then f ends at f + 2 (L − f)/(1 − L′). No pressures allow more than the bound.
+
+    Args:
+        factor: That was reached.
+        limit: By the pressures there.
+        moves: L′, by the last two.
+        most: The bound.
+    """
+    beyond = (limit - factor) * (1 + moves) / (1 - moves) if moves < 1 else np.inf
+    found = float(max(limit - factor, min(beyond, most - limit)))
+    return found if np.isfinite(found) else None

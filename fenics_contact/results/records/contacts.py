@@ -307,7 +307,8 @@ class SlipLimitRecord(Record):
             are 1 % larger leave as they are; `load steps` by larger and larger loads
             (`solver.slip_limit`); `upper bound` for any pressures at the points that may touch:
             at that factor a part slips or tips, and may before; empty where it is not known.
-        errors: `factor` → estimated errors of it by source, none so far.
+        errors: `factor` → estimated errors of it by source, with `solver.slip_limit = "steps"` and
+            `errors = "all"`: by solving again with less of each.
     """
 
     parts: Mapping[str, float | None]

@@ -9,6 +9,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Steps, run
 from fenics_contact.results.quantities import headlines
 from fenics_contact.scene.settings import SolverSettings
+from fenics_contact.simulation.studies import slip_factor_errors
 from fenics_contact.trust import slip_factor
 from tests.scenes import box_body
 from tests.trust.checks.test_slip_limit import SILENT, geometry, ring_in_ring  # noqa: F401
@@ -91,6 +92,41 @@ def test_loads_that_lift_or_press_grow_step_by_step(angle):
     alone = run(block(pull, solver=SILENT), COMM, body=box_body(*FLAT))
     for name in ("strain_energy", "normal_force"):
         assert result.quantities[name] == pytest.approx(alone.quantities[name], rel=1e-9)
+
+
+@pytest.mark.errors
+def test_bars_of_a_factor_found_step_by_step_hold_that_of_statics():
+    """A pull that rises: cells do not matter, so that the bar is the bracket of the loads."""
+    pull = 2 * cos(0.3), 2 * sin(0.3)
+    solver = SolverSettings(errors="all", slip_limit="steps")
+    result = run(block(pull, solver=solver), COMM, body=box_body(*FLAT))
+    right = FRICTION * PRESSURE / (pull[0] + FRICTION * pull[1])
+    found, bars = result.slip_limit.factor, result.errors["slip_factor"]
+    assert result.slip_limit.kind == "load steps"
+    assert result.slip_limit.errors["factor"] == bars
+    assert abs(found - right) < bars["total"] < 0.03 * right
+    assert bars["step"] > 100 * bars["mesh"]
+
+
+@pytest.mark.errors
+def test_bars_of_a_torque_that_a_press_fit_takes(geometry):  # noqa: F811
+    """Held pressures: their error is that of the mesh, whose facets are straight."""
+    solver = SolverSettings(errors="all", slip_limit="steps")
+    result = run(replace(ring_in_ring(geometry, 0.6, order=1), solver=solver), COMM)
+    bars = result.errors["slip_factor"]
+    assert result.slip_limit.kind == "pressures held"
+    assert abs(result.slip_limit.factor - 1 / 0.6) < bars["total"] < 0.2
+    assert bars["mesh"] > 0.9 * bars["total"]
+
+
+@pytest.mark.errors
+def test_bars_of_cells_that_are_not_halved_are_none(monkeypatch):
+    """Curved cells: what the mesh changes is not known, so that there is no sum."""
+    monkeypatch.setattr(slip_factor_errors, "is_of_order_1", lambda mesh: False)
+    solver = SolverSettings(errors="all", slip_limit="steps")
+    bars = run(block((2.0, 0.0), solver=solver), COMM, body=box_body(*FLAT)).errors["slip_factor"]
+    assert bars["mesh"] is None and bars["total"] is None
+    assert bars["step"] is not None
 
 
 def test_friction_that_grows_with_the_loads_has_no_limit():
