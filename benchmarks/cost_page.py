@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import page_tables
+from cost_heat import LIMIT_OF_HEAT
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of
 from page_tables import markdown
 
@@ -14,10 +15,16 @@ Row = dict[str, Any]
 # Which rows a table has, by its name.
 TABLES: dict[str, Callable[[Row], bool]] = {
     "one body": lambda row: _is_alone(row) and row["solver"] in ("condensed", "full"),
-    "two bodies": lambda row: _is_one_step(row) and row["bodies"] > 1 and not row["full_contact"],
+    "two bodies": lambda row: (
+        _is_one_step(row)
+        and row["bodies"] > 1
+        and not row["full_contact"]
+        and "heat_ratio" not in row
+    ),
     "full contact": lambda row: row["full_contact"],
     "iterative": lambda row: _is_alone(row) and row["solver"] in ("iterative", "auto"),
     "further steps": lambda row: row["steps"] > 1,
+    "heat": lambda row: "heat_ratio" in row,
 }
 
 
@@ -30,7 +37,9 @@ def filled(page: str, rows: list[Row]) -> str:
     tables = {}
     for name, belongs in TABLES.items():
         chosen = [row for row in rows if belongs(row)]
-        tables[name] = _further_table(chosen) if name == "further steps" else _table(chosen)
+        tables[name] = {"further steps": _further_table, "heat": _heat_table}.get(name, _table)(
+            chosen
+        )
     return page_tables.filled(page, tables)
 
 
@@ -78,6 +87,20 @@ def _further_table(rows: list[Row]) -> str:
             f"{LIMIT_OF_FURTHER_STEP:g}",
             f"{row['further_step_ratio_with_results']:.3f}",
             str(row["newton"]),
+        ]
+        for row in rows
+    ]
+    return markdown(headings, cells)
+
+
+def _heat_table(rows: list[Row]) -> str:
+    headings = ["case", "run", "with heat", "ratio", "limit"]
+    cells = [
+        [
+            row["case"],
+            *(f"{row[key]:.2f} s" for key in ("run_seconds", "heat_run_seconds")),
+            _against(row["heat_ratio"], LIMIT_OF_HEAT, 2),
+            f"{LIMIT_OF_HEAT:g}",
         ]
         for row in rows
     ]

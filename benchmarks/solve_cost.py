@@ -10,10 +10,12 @@ one process, with all forms compiled, and each is the least of several: CPU time
 time of the slowest on several. Set ``OMP_NUM_THREADS=1``, as ``./bootstrap`` does.
 ``docs/solve_cost.md`` shows what came out.
 
+Rows with *heat* also have what a run costs with conduction across the contact, in runs without.
+
 Cases are in ``cost_cases.py``, their meshes and scenes in ``verification/memory_worker.py``, what
-is timed in ``cost_solves.py``, how a row comes about in ``cost_measure.py``, the picture in
-``cost_plot.py``, tables of the page in ``cost_page.py``; command line and the tables of a terminal
-are here.
+is timed in ``cost_solves.py``, how a row comes about in ``cost_measure.py``, what heat adds in
+``cost_heat.py``, the picture in ``cost_plot.py``, tables of the page in ``cost_page.py``; command
+line and the tables of a terminal are here.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from cost_cases import all_runs, quick_runs
+from cost_heat import HEAT_CASES, LIMIT_OF_HEAT, QUICK_HEAT_CASES, heat_row
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
 from cost_page import filled
 from cost_plot import plot
@@ -84,6 +87,19 @@ def print_further(rows: list[dict[str, Any]]) -> None:
     Console(width=150).print(table)
 
 
+def print_heat(rows: list[dict[str, Any]]) -> None:
+    """What conduction costs that follows the pressures, where that was measured."""
+    hot = [row for row in rows if "heat_ratio" in row]
+    if not hot:
+        return
+    table = Table("case", "run", "with heat", "ratio", "limit", title="Heat by the pressure")
+    for row in hot:
+        missed = " !" if row["heat_ratio"] > LIMIT_OF_HEAT else ""
+        seconds = (f"{row[key]:.2f} s" for key in ("run_seconds", "heat_run_seconds"))
+        table.add_row(row["case"], *seconds, f"{row['heat_ratio']:.2f}{missed}", f"{LIMIT_OF_HEAT}")
+    Console(width=150).print(table)
+
+
 def main() -> None:
     """Measure, print and, if asked, write and draw."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -96,12 +112,17 @@ def main() -> None:
     comm = MPI.COMM_WORLD
     enough = ENOUGH_QUICKLY if options.quick else ENOUGH
     rows: list[dict[str, Any]] = []
-    for case, solver in quick_runs() if options.quick else all_runs():
-        if options.case not in case.name:
+    runs = [(case, solver, "") for case, solver in (quick_runs() if options.quick else all_runs())]
+    hot = QUICK_HEAT_CASES if options.quick else HEAT_CASES
+    for case, solver, more in [*runs, *((case, "condensed", ", heat") for case in hot)]:
+        name = case.name + more
+        if options.case not in name:
             continue
-        rows.append(measure(case, solver, comm, enough).row)
+        row = measure(case, solver, comm, enough).row
+        rows.append(row | {"case": name} | (heat_row(case, comm, enough) if more else {}))
         if comm.rank == 0:
-            print(f"{case.name:50} {solver:10} {rows[-1]['ratio']:6.2f}", flush=True)
+            ratio = rows[-1].get("heat_ratio", row["ratio"])
+            print(f"{name:50} {solver:10} {ratio:6.2f}", flush=True)
             if options.json:
                 text = json.dumps(rows, indent=2)
                 options.json.write_text(text + "\n", encoding="utf-8")
@@ -109,6 +130,7 @@ def main() -> None:
         return
     print_table(rows)
     print_further(rows)
+    print_heat(rows)
     if options.plot:
         options.plot.mkdir(parents=True, exist_ok=True)
         plot(rows, options.plot / "solve_cost.png")

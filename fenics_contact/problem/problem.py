@@ -121,7 +121,10 @@ class Problem:
             self.points = discrete.once(
                 f"points {scene.point}", partial(DisplacementPoints, scene.point, self.spaces)
             )
-            self.conduction = Conduction(scene, self.spaces, self.contacts) if scene.heat else None
+            self.conduction: Conduction | None = None
+            if scene.heat:
+                self.conduction = Conduction(scene, self.spaces, self.contacts)
+                discrete.serve_many()  # a load step is solved for one temperature after the other
             self.load_site = LoadSite(discrete, scene.material)
             self.loads = given_loads(scene.load, self.load_site)
             for one in self.body_scalars:

@@ -116,6 +116,12 @@ class ModalBulk(CondensedBulk):
         in_modes = self._shapes @ (self._motions * along)
         return np.asarray(moved + in_modes + self._moved_by(which, acting))
 
+    def condense_and_expand(self, load: Array) -> tuple[Array, Array]:
+        """Both, one load after the other."""
+        pairs = [(self.condense(one), self.expand(one, np.zeros(self.count))) for one in load]
+        condensed, found = (np.array(column) for column in zip(*pairs, strict=True))
+        return condensed, found
+
     def _acting(self, forces: Array | None, condensed: Array) -> tuple[Integers, Array]:
         """Where contacts press, and how much."""
         if forces is None:

@@ -256,7 +256,6 @@ class Newton(SnesSolve):
             find_body = system.finish()
         for contact in problem.contacts:
             contact.touch()
-        asks_body = bool(problem.body_scalars)
         return Solution(
             find_body=find_body,
             normal_force=[c.forces.of(c.normal_term)[c.trace.numbers] for c in problem.contacts],
@@ -271,5 +270,5 @@ class Newton(SnesSolve):
             strategy=strategy,
             imbalance_limit=self.limit,
             factorisations=system.factorisations,
-            scalars=problem.scalar_states(find_body().displacement) if asks_body else (),
+            scalars=system.scalar_states(find_body),
         )

@@ -235,13 +235,14 @@ def release_held(newton: Newton, found: Solution) -> bool:
     Returns:
         Whether there is one.
     """
-    if not newton.problem.body_scalars:  # nothing to ask the body for
+    pairs = zip(newton.problem.body_scalars, found.scalars, strict=True)
+    kept = [pair for pair in pairs if pair[0].held is not None and not pair[0].is_locked]
+    if not kept:  # nothing to ask the body for
         return False
     limit = max(found.imbalance_limit, found.bulk_round_off)
     again = False
-    for scalar, state in zip(newton.problem.body_scalars, found.scalars, strict=True):
-        kept = scalar.held is not None and not scalar.is_locked
-        if kept and abs(state.force - scalar.force) > limit:
+    for scalar, state in kept:
+        if abs(state.force - scalar.force) > limit:
             scalar.keep(None)
             again = True
     return again

@@ -8,20 +8,19 @@ J. Dundurs and M. Comninou, J. Appl. Mech. 47 (1980) 871-874, for a rod between 
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
-from fenics_contact.trust.branches import is_same
 
 logger = logging.getLogger(__name__)
 
-# Of the largest displacement, by which answers may differ that are the same: temperatures settle
-# less closely than a load step is solved.
-_SAME = 1e-5
+# Of the largest conductance: where a solution has those of a known answer to this, it has nearly
+# the temperatures of that answer from the next solve on, and leads there.
+_NEAR = 1e-2
 # Of the highest pressure: where the search for the turning pressure begins; and how long it goes.
 _LOWEST, _HALVINGS = 1e-6, 16
 
@@ -42,16 +41,18 @@ def other_temperatures(load_steps: LoadSteps) -> Iterator[tuple[str, Solution | 
     problem, last = load_steps.problem, load_steps.last
     conduction = problem.conduction
     assert conduction is not None and last is not None
-    known, high = [last.solution.displacement], conduction.highest_pressure
+    known, high = [last.solution], conduction.highest_pressure
+
+    def leads_to_known(found: Solution) -> bool:
+        return any(conduction.change(one.states, found.states) < _NEAR for one in known)
+
     try:
         for place, pressure in enumerate((high, None)):
             asked = _turning_pressure(load_steps, last.time, high) if pressure is None else pressure
             start = f"contacts pressed by {asked:.3g}"
-            found = _solved(load_steps, last.time, asked)
-            if found is None:
-                yield start, None
-            elif not any(is_same(problem, found.displacement, other, _SAME) for other in known):
-                known.append(found.displacement)
+            found = _solved(load_steps, last.time, asked, leads_to_known)
+            if found is None or not leads_to_known(found):
+                known += [] if found is None else [found]
                 yield start, found
             if not problem.scene.solver.branches or len(known) == place + 1:
                 return
@@ -71,7 +72,7 @@ def _turning_pressure(load_steps: LoadSteps, time: float, high: float) -> float:
     for _ in range(_HALVINGS):
         middle = float(np.sqrt(low * high))
         try:
-            found = load_steps.try_first_step(time, middle, holds=True)
+            found = load_steps.try_first_step(time, middle, lambda _: True)
         except NotConvergedError:
             return middle
         low, high = (low, middle) if _mean_pressure(load_steps, found) > middle else (middle, high)
@@ -90,9 +91,11 @@ def _mean_pressure(load_steps: LoadSteps, found: Solution) -> float:
     return float(force / area)
 
 
-def _solved(load_steps: LoadSteps, time: float, pressure: float) -> Solution | None:
+def _solved(
+    load_steps: LoadSteps, time: float, pressure: float, ends: Callable[[Solution], bool]
+) -> Solution | None:
     try:
-        found = load_steps.try_first_step(time, pressure)
+        found = load_steps.try_first_step(time, pressure, ends)
     except NotConvergedError as error:
         logger.debug("  from contacts pressed by %.3g: %s", pressure, error)
         return None

@@ -6,6 +6,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact import (
+    Contact,
     Film,
     Heat,
     Material,
@@ -21,8 +22,10 @@ from fenics_contact import (
     Temperature,
     run,
 )
+from fenics_contact.common import mumps
 from fenics_contact.simulation.sensitivities.scene_values import with_changes
 from fenics_contact.simulation.state_file import StateFile
+from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.thermal.heat import HEIGHT, LENGTH, flux, pressures
 from fenics_contact.verification.thermal.heat import bars as conducting_bars
 from tests.messages import refused
@@ -134,6 +137,40 @@ def test_a_conductance_that_is_a_number():
     found = run(replace(made, contact=(glued,)), COMM, body)
     flow = -flux((120, 20), conductance) * HEIGHT
     assert found.quantities["heat_flow"] == pytest.approx(flow, rel=1e-9)
+
+
+def test_conduction_is_factorised_once(monkeypatch):
+    """On the first rank, in however many solves temperatures and pressures settle."""
+    made, body = conducting_bars((20, 120), 0.24)
+    count, factorised = [], mumps.factorised
+    monkeypatch.setattr(mumps, "factorised", lambda create: count.append(1) or factorised(create))
+    run(made, COMM, body)
+    with_heat = len(count)
+    cold = replace(made, heat=(), contact=(replace(made.contact[0], conductance=None),))
+    run(cold, COMM, body)
+    assert with_heat == len(count) - with_heat + (COMM.rank == 0)
+
+
+def test_a_body_between_two_others_has_its_temperature_from_them():
+    """Three plates that are glued: resistances in series."""
+    plates = [Box(name, (10 * n, 0), (10 * n + 10, 4), (2, 1 + n)) for n, name in enumerate("abc")]
+    steel = Material(210e3, 0.3, thermal_expansion=12e-6, conductivity=CONDUCTIVITY)
+    glue = Contact("a.x1", against="b.x0", contact="bonded", conductance=0.01)
+    made = Scene(
+        kinematics="plane stress",
+        material=steel,
+        support=(Support("a.x0", {"x": 0.0, "y": 0.0}),),
+        contact=(glue, replace(glue, on="b.x1", against="c.x0", conductance=0.02)),
+        heat=(Heat("a.x0", temperature=100), Heat("c.x1", temperature=0)),
+        point=(Point("middle", (15.0, 2.0)),),
+        solver=SolverSettings(errors="none"),
+    )
+    found = run(made, COMM, boxes(plates))
+    parts = [10 / CONDUCTIVITY, 1 / 0.01, 10 / CONDUCTIVITY, 1 / 0.02, 10 / CONDUCTIVITY]
+    middle = 100 * (1 - (sum(parts[:2]) + parts[2] / 2) / sum(parts))
+    assert found.quantities["temperature_middle"] == pytest.approx(middle, rel=1e-9)
+    flows = [one.quantities["heat_flow"] for one in found.contacts]
+    assert flows == pytest.approx([-4 * 100 / sum(parts)] * 2, rel=1e-9)
 
 
 def test_the_formula_of_the_bars():

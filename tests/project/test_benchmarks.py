@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import sys
 
 import numpy as np
 import pytest
 
+from fenics_contact import SolverSettings, run
 from fenics_contact.common.parallel import largest
 from fenics_contact.contact.surface.averaging import SurfaceAverage
 from fenics_contact.evaluate.contact_quantities import contact_quantities
@@ -40,6 +42,7 @@ import derivative_cost
 import derivative_table
 import fit_coverage
 from cost_cases import all_runs, quick_runs
+from cost_heat import heat_row, with_heat
 from cost_measure import LIMIT_OF_FURTHER_STEP, limit_of, measure
 from cost_page import filled
 from cost_solves import frictional_solve, linear_seconds, linear_solvers
@@ -118,6 +121,16 @@ def test_foot_of_the_upper_block_is_round_and_touches_the_lower_one(case):
     assert np.allclose(points[:, last], lower + lift, rtol=0, atol=1 / case.upper[0] ** 2 / 4)
     highest = largest(COMM, body.mesh.geometry.x[:, last])
     assert highest == pytest.approx(lower + case.heights[1] + last * 0.5**2 / 2)
+
+
+def test_rows_with_heat_compare_runs_of_blocks_that_conduct():
+    """By a conductance of the pressure, so that it is less than where all is pressed hard."""
+    case = BlockCase("Q2", (10, 5), upper=(8, 4))
+    row = heat_row(case, COMM, enough=0)
+    assert row["heat_ratio"] == row["heat_run_seconds"] / row["run_seconds"] > 0
+    cold = dataclasses.replace(scene_of(case, "condensed"), solver=SolverSettings(errors="none"))
+    flow = -run(with_heat(cold), COMM, body_of(case, COMM)).quantities["heat_flow"]
+    assert 10 < flow < 100 / 0.75  # of a width of 1, over a height of 3/4
 
 
 def test_quick_runs_of_solve_cost_have_full_contact_of_one_body_and_of_two():

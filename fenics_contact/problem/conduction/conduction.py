@@ -12,18 +12,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from petsc4py import PETSc
-from scipy.sparse import bmat, csr_matrix
 
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common import mumps
 from fenics_contact.common.arrays import Array, Integers
-from fenics_contact.common.errors import FenicsContactError, InputError, NotConvergedError
+from fenics_contact.common.errors import FenicsContactError, NotConvergedError
 from fenics_contact.common.parallel import from_root, gather_rows, largest, raise_together, total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
+from fenics_contact.problem.conduction.condensed_heat import CondensedHeat
 from fenics_contact.problem.conduction.heat_of_bodies import HeatOfBodies
-from fenics_contact.problem.conduction.heat_of_contact import HeatOfContact, PairedHeat
+from fenics_contact.problem.conduction.heat_of_contact import HeatOfContact
 from fenics_contact.scene.scene import Scene
 
 # Of the largest conductance: by no more may any change from one solve to the next.
@@ -68,6 +66,12 @@ class Conduction:
             if contact.contact.conductance is not None
         ]
         self._numbers = [contacts.index(one.contact) for one in self.contacts]
+        self._parts = self._of_all_nodes(spaces.parts.of_node).astype(np.int64)
+        surfaces = [np.zeros(0, dtype=np.int64), *(one.nodes for one in self.contacts)]
+        self._condensed: CondensedHeat | None = None
+        if self._comm.rank == 0:
+            known = self._bodies, np.concatenate(surfaces), self._parts
+            self._condensed = CondensedHeat(*known)
         self.rise = np.zeros(len(spaces.coordinates))
         self._pressures = [np.zeros(len(one.contact.trace.weights)) for one in self.contacts]
         self._time = 0.0
@@ -132,7 +136,7 @@ class Conduction:
             NotConvergedError: They have changed for too long.
         """
         found = [state.contact_pressure for state in self.states_of(states)]
-        change = self._change_to(found)
+        change = self._change(self._pressures, found)
         self._solves += 1
         if change <= _SAME:
             return False
@@ -146,11 +150,24 @@ class Conduction:
         self.rise = self._solved(self._pressures)
         return True
 
-    def _change_to(self, pressures: Sequence[Array]) -> float:
-        """Change of the conductances to those of other pressures, over the largest; collective."""
+    def change(self, before: Sequence[ContactState], after: Sequence[ContactState]) -> float:
+        """Largest change of a conductance, over the largest; collective.
+
+        Args:
+            before: Of all contacts.
+            after: Likewise.
+        """
+        one, other = (
+            [state.contact_pressure for state in self.states_of(states)]
+            for states in (before, after)
+        )
+        return self._change(one, other)
+
+    def _change(self, one: Sequence[Array], other: Sequence[Array]) -> float:
+        """The same of pressures at the points of contacts that conduct; collective."""
         rows = [
-            (one.conductances(before)[one.faces], one.conductances(after)[one.faces])
-            for one, before, after in zip(self.contacts, self._pressures, pressures, strict=True)
+            (heat.conductances(before)[heat.faces], heat.conductances(after)[heat.faces])
+            for heat, before, after in zip(self.contacts, one, other, strict=True)
         ]
         every = np.concatenate([np.zeros(0), *(after for _, after in rows)])
         changes = np.concatenate([np.zeros(0), *(after - before for before, after in rows)])
@@ -193,37 +210,26 @@ class Conduction:
         ]
         whole: Array | None = None
         error: FenicsContactError | None = None
-        if self._comm.rank == 0:
+        if self._condensed is not None:
             try:
-                whole = self._solve_whole(paired, weighted)
+                whole = self._condensed.solve(self._time, paired, weighted)
             except FenicsContactError as caught:
                 error = caught
         raise_together(self._comm, error)
         every: Array = from_root(self._comm, np.zeros(0) if whole is None else whole)
         return np.asarray(every[self._bodies.numbers])
 
-    def _solve_whole(self, paired: Sequence[PairedHeat], weighted: Sequence[Array]) -> Array:
-        """Rise of all nodes."""
-        bodies = self._bodies
-        matrix = _with_contacts(bodies.matrix, paired, weighted)
-        right = np.zeros(matrix.shape[0])
-        right[: bodies.count] = bodies.taken_in(self._time)
-        given, rise = bodies.given_at(self._time)
-        values = np.zeros(len(right))
-        values[given] = rise
-        free = np.ones(len(right), dtype=bool)
-        free[given] = False
-        right = right - matrix @ values
-        values[free] = _direct_solution(csr_matrix(matrix[free][:, free]), right[free])
-        return values[: bodies.count]
-
     @property
     def _whole(self) -> Array:
         """Rise of all nodes of all ranks, (nodes,); collective (temperature)."""
+        return self._of_all_nodes(self.rise)
+
+    def _of_all_nodes(self, values: Array | Integers) -> Array:
+        """Values of all nodes of all ranks by those of this rank's nodes; collective."""
         owned = slice(self._spaces.owned_nodes)
-        rows = np.column_stack([self._bodies.numbers, self.rise])[owned]
-        numbers, rise = gather_rows(self._comm, rows).T
-        return np.asarray(rise[np.argsort(numbers)])
+        rows = np.column_stack([self._bodies.numbers, values])[owned]
+        numbers, found = gather_rows(self._comm, rows).T
+        return np.asarray(found[np.argsort(numbers)])
 
     def steps(self) -> list[Array]:
         """Temperature opposite less the own one, at the points of each contact; collective.
@@ -262,10 +268,7 @@ class Conduction:
             states: Of all contacts.
         """
         across = self._across(states)
-        bodies, comm = self._bodies, self._comm
-        owned, rise = slice(self._spaces.owned_nodes), self._whole
-        rows = np.column_stack([bodies.numbers, self._spaces.parts.of_node])[owned]
-        numbers, parts = gather_rows(comm, rows).T
+        bodies, rise = self._bodies, self._whole
         left = bodies.matrix @ rise - bodies.taken_in(self._time)
         given, _ = bodies.given_at(self._time)
         every = float(np.abs(left[given]).sum() + np.abs(bodies.taken_in(self._time)).sum())
@@ -273,7 +276,7 @@ class Conduction:
         if every == 0:
             return None
         left[given] = across[given] = 0.0
-        sums = np.bincount(parts[np.argsort(numbers)].astype(np.int64), left - across)
+        sums = np.bincount(self._parts, left - across)
         return float(np.abs(sums).max() / every)
 
     def _across(self, states: Sequence[ContactState]) -> Array:
@@ -286,83 +289,3 @@ class Conduction:
             np.add.at(found, pair.slave, onto_slave)
             np.add.at(found, pair.master, -pair.onto_master(onto_slave))
         return found
-
-
-def _with_contacts(
-    matrix: csr_matrix, paired: Sequence[PairedHeat], weighted: Sequence[Array]
-) -> csr_matrix:
-    """The matrix of conduction with contacts.
-
-    Behind the rise of all nodes come, of each contact, what is opposite at its slave's nodes, and
-    the multipliers of D τ = M T.
-
-    Args:
-        matrix: Of the bodies (power/temperature).
-        paired: Of each contact.
-        weighted: Conductance times area at its points of all ranks (power/temperature).
-    """
-    count, whole = matrix.shape[0], matrix
-    sides: list[csr_matrix] = []
-    corners: list[csr_matrix] = []
-    for pair, weights in zip(paired, weighted, strict=True):
-        size = len(pair.slave)
-        chosen = _selection(pair.slave, count)
-        conducted = csr_matrix(pair.points.T.multiply(weights) @ pair.points)
-        whole = whole + chosen.T @ conducted @ chosen
-        sides += [-conducted @ chosen, -pair.coupling @ _selection(pair.master, count)]
-        corners += [conducted, pair.mass, csr_matrix((size, size))]
-    if not sides:
-        return csr_matrix(whole)
-    blocks = [[None] * (1 + len(sides)) for _ in range(1 + len(sides))]
-    blocks[0][0] = whole
-    for number, side in enumerate(sides, 1):
-        blocks[number][0], blocks[0][number] = side, side.T
-    for number in range(len(paired)):
-        conducted, mass, none = corners[3 * number : 3 * number + 3]
-        first = 1 + 2 * number
-        blocks[first][first], blocks[first][first + 1] = conducted, mass.T
-        blocks[first + 1][first], blocks[first + 1][first + 1] = mass, none
-    return csr_matrix(bmat(blocks))
-
-
-def _selection(numbers: Integers, count: int) -> csr_matrix:
-    """Values at some of all nodes, as a matrix, (numbers, nodes)."""
-    places = np.arange(len(numbers)), numbers
-    return csr_matrix((np.ones(len(numbers)), places), shape=(len(numbers), count))
-
-
-def _direct_solution(matrix: csr_matrix, right: Array) -> Array:
-    """Solve on one rank.
-
-    Raises:
-        InputError: The matrix is singular.
-    """
-
-    def create(spare: int) -> PETSc.PC:
-        factor = PETSc.PC().create(PETSc.COMM_SELF)
-        factor.setOperators(whole)
-        factor.setType("lu")
-        factor.setFactorSolverType(mumps.NAME)
-        factor.setFactorSetUpSolverType()
-        factor.getFactorMatrix().setMumpsIcntl(14, spare)
-        factor.getFactorMatrix().setMumpsIcntl(24, 1)  # tells of pivots that are zero
-        return factor
-
-    arrays = (matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType))
-    whole = PETSc.Mat().createAIJ(matrix.shape, csr=(*arrays, matrix.data), comm=PETSc.COMM_SELF)
-    factor, error = mumps.factorised(create)
-    try:
-        if isinstance(error, NotConvergedError) or factor.getFactorMatrix().getMumpsInfog(28) > 0:
-            raise InputError(
-                "heat: nothing says which temperature a body has; give it one, a film, or a "
-                "contact that conducts also where nothing presses"
-            )
-        if error is not None:
-            raise error
-        solution, load = whole.createVecs()
-        load.array[:] = right
-        factor.apply(load, solution)
-        return np.array(solution.array_r)
-    finally:
-        for thing in (factor, whole):
-            thing.destroy()

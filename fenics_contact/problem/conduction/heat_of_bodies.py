@@ -59,6 +59,7 @@ class HeatOfBodies:
     Attributes:
         numbers: Of each node of this rank, over all ranks.
         count: Nodes of all ranks.
+        is_plane: Whether the bodies have two dimensions.
         matrix: Of conduction and films, on every rank (power/temperature).
         given: Boundaries with given temperatures.
         flows: What boundaries take in.
@@ -72,7 +73,7 @@ class HeatOfBodies:
     """
 
     def __init__(self, scene: Scene, spaces: Spaces) -> None:
-        self._spaces = spaces
+        self._spaces, self.is_plane = spaces, spaces.body.dimension == 2
         space, scalar_of_node = spaces.scalar_space()
         self._space = space
         index_map = space.dofmap.index_map
@@ -154,8 +155,7 @@ class HeatOfBodies:
 
         Where boundaries meet, the first one counts.
         """
-        found: dict[int, float] = {}
-        for one in self.given:
-            for number, rise in zip(one.numbers.tolist(), one.rise.tolist(), strict=True):
-                found.setdefault(number, one.path(time) * rise)
-        return np.array([*found], dtype=np.int64), np.array([*found.values()], dtype=np.float64)
+        numbers = [np.zeros(0, dtype=np.int64), *(one.numbers for one in self.given)]
+        rises = [np.zeros(0), *(one.path(time) * one.rise for one in self.given)]
+        found, first = np.unique(np.concatenate(numbers), return_index=True)
+        return found, np.concatenate(rises)[first]

@@ -57,6 +57,13 @@ class PairedHeat:
             return np.zeros(0)
         return np.asarray(self._factor.solve(self.coupling @ rise[self.master]))
 
+    @cached_property
+    def opposites(self) -> Array:
+        """D⁻¹ M, dense (these slave's nodes, master's nodes)."""
+        if not len(self.slave):
+            return np.zeros(self.coupling.shape)
+        return np.asarray(self._factor.solve(self.coupling.toarray()))
+
     def onto_master(self, flows: Array) -> Array:
         """Mᵀ D⁻ᵀ q, at the master's nodes.
 
@@ -87,6 +94,12 @@ class HeatOfContact:
         self._paired_at: Array | None = None
         self._found: PairedHeat | None = None
         self.faces: Flags = np.zeros(0, dtype=bool)
+
+    @cached_property
+    def nodes(self) -> Integers:
+        """Nodes of both surfaces, over all ranks; collective when first asked for."""
+        numbers, sides = self._bodies.numbers, (self.contact.trace.surface, self._pairing.master)
+        return np.concatenate([one.gathered(numbers[one.body_nodes]) for one in sides])
 
     @property
     def paired(self) -> PairedHeat:

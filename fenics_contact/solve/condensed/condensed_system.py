@@ -23,6 +23,7 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknown import ScalarState
 from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts, ContactJump
@@ -399,15 +400,16 @@ class CondensedSystem(System):
         """Return a function that finds the displacement inside when first asked; collective.
 
         At once where something follows it: contacts that exert no forces, a mean stress or
-        forces on the body's scalars.
+        scalars of the body that are not given.
         """
         values = self._values(self.state)
         load = self._loads.load.copy()
         for value, one in zip(self._scalars_of(values), self._scalar_loads, strict=True):
             load += value * one.load
         at_contacts = self._free_displacements(values)
-        find = LazyDisplacement(partial(self._expanded, load, at_contacts))
-        if self.problem.elastic.mixed is not None or self.problem.body_scalars:
+        scalars = [(one.value, one.forces_on_body.nodal) for one in self.problem.body_scalars]
+        find = LazyDisplacement(partial(self._expanded, load, at_contacts, scalars))
+        if self.problem.elastic.mixed is not None or not self._are_given:
             find()
         if None in self._contacts.jumps:
             others = [
@@ -417,15 +419,40 @@ class CondensedSystem(System):
             self.move_contacts(others, self._scalars_of(values))
         return find
 
-    def _expanded(self, load: Array, at_contacts: Array) -> BodyAnswer:
-        """Displacement and K u at the nodes; the functions follow; collective."""
+    @property
+    def _are_given(self) -> bool:
+        """Whether the scene gives the values of all of the body's scalars."""
+        return all(one.is_given for one in self.problem.body_scalars)
+
+    def scalar_states(self, find_body: FindBody) -> tuple[ScalarState, ...]:
+        """States of the body's scalars; where all are given, from the contacts alone; collective.
+
+        Args:
+            find_body: As of ``finish``.
+        """
+        if not (self.problem.body_scalars and self._are_given):
+            return super().scalar_states(find_body)
+        self._bulk_forces(np.array(self.state.array_r))
+        pairs = zip(self.problem.body_scalars, self.scalar_forces, strict=True)
+        return tuple(one.state_at(float(force), one.value) for one, force in pairs)
+
+    def _expanded(
+        self, load: Array, at_contacts: Array, scalars: Sequence[tuple[float, Array]]
+    ) -> BodyAnswer:
+        """Displacement and K u at the nodes; the functions follow; collective.
+
+        Args:
+            load: On this rank's unknowns (force).
+            at_contacts: Displacements of the free contact dofs (length).
+            scalars: Value of each of the body's scalars, and nodal forces over it.
+        """
         found = self.body.bulk.expand(load, at_contacts)
         self.stiffness.set_functions(found)
         components = self.problem.spaces.components
         internal = self.stiffness.forces(found)
-        for scalar in self.problem.body_scalars:
-            internal += scalar.value * scalar.forces_on_body.nodal
-        values = np.array([scalar.value for scalar in self.problem.body_scalars])
+        for value, nodal in scalars:
+            internal += value * nodal
+        values = np.array([value for value, _ in scalars])
         moved = self.problem.moved_by_scalars(values)
         if moved is not None:
             self.problem.displacement.x.array[:] += moved.reshape(-1)

@@ -52,9 +52,10 @@ class CondensedScalars:
         shares = [stiffness.share(one.nodal, one.on_mean_stress) for one in forces]
         self._forces = np.array(shares).reshape(shape)
         self.loads = np.where(held, 0.0, -self._forces)
-        self.condensed = [bulk.condense(load) for load in self.loads]
-        moved = [bulk.expand(load, np.zeros(bulk.count)) for load in self.loads]
-        self._moved = np.array(moved).reshape(shape)
+        condensed, self._moved = np.zeros((0, bulk.count)), np.zeros(shape)
+        if len(forces):
+            condensed, self._moved = bulk.condense_and_expand(self.loads)
+        self.condensed = list(condensed)
         self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T)) + own
 
     def border(self, kept: KeptUnknowns, size: int) -> ScalarBorder:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
@@ -190,24 +191,32 @@ class StepTries(StepRollback):
 
     def _try(self, time: float) -> Solution:
         """Solve a step; again where its pressures change temperatures; collective."""
-        conduction = self.problem.conduction
-        if conduction is None:
-            return self._try_at_temperatures(time)
-        conduction.begin(time)
-        self._follow_temperature()
-        found = self._try_at_temperatures(time)
-        steps = found.newton_iterations
-        while conduction.follow(found.states):
-            logger.debug("  time %g: temperatures follow the contact pressures", time)
-            self._near = self._present(time)
-            self._go_back()
-            self._follow_temperature()
-            found = self._try_at_temperatures(time)
-            steps += found.newton_iterations
-        self._near = None
-        return replace(found, newton_iterations=steps)
+        *_, found = self._solutions(time)
+        return found
 
-    def try_first_step(self, time: float, pressure: float, holds: bool = False) -> Solution:
+    def _solutions(self, time: float) -> Generator[Solution]:
+        """Solve a step at one temperature after the other, until these have settled; collective."""
+        conduction, steps = self.problem.conduction, 0
+        if conduction is not None:
+            conduction.begin(time)
+            self._follow_temperature()
+        try:
+            while True:
+                found = self._try_at_temperatures(time)
+                steps += found.newton_iterations
+                yield replace(found, newton_iterations=steps)
+                if conduction is None or not conduction.follow(found.states):
+                    return
+                logger.debug("  time %g: temperatures follow the contact pressures", time)
+                self._near = self._present(time)
+                self._go_back()
+                self._follow_temperature()
+        finally:
+            self._near = None
+
+    def try_first_step(
+        self, time: float, pressure: float, ends: Callable[[Solution], bool]
+    ) -> Solution:
         """Solve the first load step from other temperatures; collective.
 
         Whoever asks goes back to a step that was accepted afterwards.
@@ -215,20 +224,22 @@ class StepTries(StepRollback):
         Args:
             time: Its pseudo-time.
             pressure: With which contacts conduct at first, at all of their points (stress).
-            holds: Whether temperatures stay as they are then.
+            ends: Whether a solution says enough, also where temperatures have not settled;
+                collective.
 
         Raises:
             NotConvergedError: From there, it leads to no answer.
         """
         assert self.problem.conduction is not None
         self.last = None
-        self.go_back()
+        self.problem.conduction.recall(None)
         self.problem.conduction.start_from(pressure)
-        if not holds:
-            return self._try(time)
-        self.problem.conduction.begin(time)
-        self._follow_temperature()
-        return self._try_at_temperatures(time)
+        self._go_back()
+        with closing(self._solutions(time)) as solutions:
+            for found in solutions:
+                if ends(found):
+                    break
+        return found
 
     def _present(self, time: float) -> Unknowns:
         """Unknowns as a step has just found them; collective."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any
 
 import numpy as np
 from dolfinx import fem
@@ -11,26 +10,11 @@ from petsc4py import PETSc
 
 from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
-from fenics_contact.common.errors import FenicsContactError
+from fenics_contact.common.factors.petsc_calls import call
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarUnknown
 from fenics_contact.solve.systems.bordered_tangent import AddedTangents
-
-
-def call(name: str, *arguments: Any) -> None:
-    """Call one function; petsc4py's objects are passed by their handles.
-
-    Raises:
-        FenicsContactError: PETSc returned an error.
-    """
-    passed = [
-        ctypes.c_void_p(argument.handle) if hasattr(argument, "handle") else argument
-        for argument in arguments
-    ]
-    code = getattr(ctypes.CDLL(PETSc.__file__), name)(*passed)
-    if code:
-        raise FenicsContactError(f"PETSc's error {code} in {name}")
 
 
 def preallocate_places(matrix: PETSc.Mat, rows: AnyIntegers, columns: AnyIntegers) -> None:

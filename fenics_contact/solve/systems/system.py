@@ -27,7 +27,7 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import from_root, total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
-from fenics_contact.problem.scalar_unknown import ScalarUnknown
+from fenics_contact.problem.scalar_unknown import ScalarState, ScalarUnknown
 from fenics_contact.solve.systems.solution import FindBody
 
 
@@ -225,6 +225,16 @@ class System(ABC):
         if count:
             own = np.array(forces[-count:]) if self.comm.rank == 0 else None
             self.scalar_forces = np.asarray(from_root(self.comm, own))
+
+    def scalar_states(self, find_body: FindBody) -> tuple[ScalarState, ...]:
+        """States of the body's scalars in the present state; collective.
+
+        Args:
+            find_body: As of ``finish``.
+        """
+        if not self.problem.body_scalars:
+            return ()
+        return self.problem.scalar_states(find_body().displacement)
 
     def set_mean_stress(self) -> None:  # noqa: B027  (most systems have none)
         """Start from the mean stress that its function has, where it is an unknown here."""

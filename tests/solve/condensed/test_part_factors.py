@@ -10,7 +10,8 @@ from scipy.sparse import block_diag, csr_matrix, diags, identity, kron
 
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, Study, Support, run
 from fenics_contact.common import mumps
-from fenics_contact.solve.condensed.part_factors import KnownFactors, LocalFactor, RankFactor
+from fenics_contact.common.factors.local_factor import LocalFactor
+from fenics_contact.solve.condensed.part_factors import KnownFactors, RankFactor
 from fenics_contact.verification.boxes import block
 
 COMM = MPI.COMM_WORLD

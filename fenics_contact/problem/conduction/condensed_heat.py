@@ -1,0 +1,155 @@
+"""Conduction condensed onto the surfaces at which contacts conduct.
+
+What contacts conduct changes with their pressures, and nothing else does. So the bodies' matrix is
+factorised once, and condensed onto the nodes of these surfaces: other conductances take a dense
+matrix of these nodes, and one solve inside the bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from fenics_contact.common import mumps
+from fenics_contact.common.arrays import Array, Flags, Integers
+from fenics_contact.common.errors import InputError
+from fenics_contact.common.factors.local_factor import LocalFactor
+from fenics_contact.problem.conduction.heat_of_bodies import HeatOfBodies
+from fenics_contact.problem.conduction.heat_of_contact import PairedHeat
+
+# Of the largest entry of the bodies' matrix: what conducts less is round-off.
+_NOTHING = 1e-13
+
+
+class CondensedHeat:
+    """Temperatures of all nodes by what contacts conduct; on one rank.
+
+    Args:
+        bodies: Conduction in these.
+        surfaces: Nodes at which contacts may conduct, over all ranks.
+        parts: Connected part of the bodies of each node of all ranks.
+
+    Raises:
+        FenicsContactError: MUMPS could not factorise the matrix.
+    """
+
+    def __init__(self, bodies: HeatOfBodies, surfaces: Integers, parts: Integers) -> None:
+        self._bodies, self._parts = bodies, parts
+        self._given, _ = bodies.given_at(0.0)
+        free = np.ones(bodies.count, dtype=bool)
+        free[self._given] = False
+        self._free = np.flatnonzero(free)
+        self._surfaces = np.unique(surfaces)
+        self._moves = free[self._surfaces]  # the others have a given temperature
+        self._at_surfaces = np.searchsorted(self._free, self._surfaces[self._moves])
+        self._matrix = csr_matrix(bodies.matrix[self._free][:, self._free])
+        self._has_datum = self._parts_with_datum()
+        self._least = _NOTHING * abs(bodies.matrix).max()
+        self._factor: LocalFactor | None = None
+        self._load: tuple[float, Array, Array] | None = None
+
+    def solve(self, time: float, paired: Sequence[PairedHeat], weighted: Sequence[Array]) -> Array:
+        """Rise of all nodes (temperature).
+
+        Args:
+            time: Pseudo-time.
+            paired: Of each contact.
+            weighted: Conductance times area at its points of all ranks (power/temperature).
+
+        Raises:
+            InputError: Nothing says which temperature a body has.
+        """
+        conducted = [
+            csr_matrix(pair.points.T.multiply(weights) @ pair.points)
+            for pair, weights in zip(paired, weighted, strict=True)
+        ]
+        self._require_datum(paired, conducted)
+        if self._factor is None:
+            self._factor = self._factorised()
+        load, condensed = self._load_at(time)
+        rise = np.zeros(self._bodies.count)
+        given, held = self._bodies.given_at(time)
+        rise[given] = held
+        whole, moves = self._of_contacts(paired, conducted), self._moves
+        right = condensed - whole[moves][:, ~moves] @ rise[self._surfaces[~moves]]
+        found = np.zeros(len(self._free))
+        try:
+            factor = cho_factor(self._factor.schur + whole[moves][:, moves])
+        except LinAlgError:
+            raise _no_datum() from None
+        found[self._at_surfaces] = cho_solve(factor, right)
+        inside = self._factor.solve(load - self._matrix @ found)
+        rise[self._free] = found + inside
+        return rise
+
+    def _factorised(self) -> LocalFactor:
+        size = len(self._free)
+        found = LocalFactor(
+            self._matrix, self._at_surfaces, mumps.fastest(self._bodies.is_plane, size)
+        )
+        if found.error is not None:
+            raise found.error
+        return found
+
+    def _load_at(self, time: float) -> tuple[Array, Array]:
+        """What flows into the free nodes, and that condensed onto the surfaces (power)."""
+        if self._load is None or self._load[0] != time:
+            assert self._factor is not None
+            bodies = self._bodies
+            rise = np.zeros(bodies.count)
+            given, held = bodies.given_at(time)
+            rise[given] = held
+            load = (bodies.taken_in(time) - bodies.matrix @ rise)[self._free]
+            left = load - self._matrix @ self._factor.solve(load)
+            self._load = time, load, left[self._at_surfaces]
+        return self._load[1:]
+
+    def _of_contacts(self, paired: Sequence[PairedHeat], conducted: Sequence[csr_matrix]) -> Array:
+        """What contacts add to the matrix of the surfaces' nodes, dense (power/temperature)."""
+        found = np.zeros((len(self._surfaces), len(self._surfaces)))
+        for pair, own in zip(paired, conducted, strict=True):
+            slave, master = (np.searchsorted(self._surfaces, n) for n in (pair.slave, pair.master))
+            across = own @ pair.opposites
+            found[np.ix_(slave, slave)] += own.toarray()
+            found[np.ix_(slave, master)] -= across
+            found[np.ix_(master, slave)] -= across.T
+            found[np.ix_(master, master)] += pair.opposites.T @ across
+        return found
+
+    def _parts_with_datum(self) -> Flags:
+        """Whether each part has a given temperature, or a film: one that a uniform rise feeds."""
+        matrix, count = self._bodies.matrix, int(self._parts.max(initial=0)) + 1
+        out = np.bincount(self._parts, matrix.sum(axis=1).A1, count)
+        sizes = np.bincount(self._parts, abs(matrix).sum(axis=1).A1, count)
+        found = out > _NOTHING * sizes
+        found[self._parts[self._given]] = True
+        return np.asarray(found)
+
+    def _require_datum(self, paired: Sequence[PairedHeat], conducted: Sequence[csr_matrix]) -> None:
+        """Whether every part has a datum of its own, or heat from one that has.
+
+        Raises:
+            InputError: One has not.
+        """
+        count, least = len(self._has_datum), self._least
+        rows, columns = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+        for pair, own in zip(paired, conducted, strict=True):
+            met = csr_matrix(pair.coupling)[own.diagonal() > least].tocoo()
+            rows.append(self._parts[pair.slave[own.diagonal() > least][met.row]])
+            columns.append(self._parts[pair.master[met.col]])
+        places = np.concatenate(rows), np.concatenate(columns)
+        links = csr_matrix((np.ones(len(places[0])), places), shape=(count, count))
+        _, chain = connected_components(links, directed=False)
+        if not np.isin(chain, chain[self._has_datum]).all():
+            raise _no_datum()
+
+
+def _no_datum() -> InputError:
+    return InputError(
+        "heat: nothing says which temperature a body has; give it one, a film, or a "
+        "contact that conducts also where nothing presses"
+    )
