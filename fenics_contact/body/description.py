@@ -122,6 +122,12 @@ class HeatedGroup:
     reference: float = 0.0
     is_found: bool = False
 
+    @property
+    def extent(self) -> HeatedGroup:
+        """The same cells that expand alike, whatever their temperature is where it varies."""
+        field = None if self.field is None else Temperature(value=0.0)
+        return dataclasses.replace(self, field=field, reference=0.0)
+
 
 @dataclass(frozen=True)
 class CandidateContact:
@@ -227,6 +233,17 @@ class BodyDescription:
         """Names of what is not the same."""
         names = (each.name for each in dataclasses.fields(self))
         return [name for name in names if getattr(self, name) != getattr(other, name)]
+
+    def differences_beside_fields(self, other: BodyDescription) -> Sequence[str]:
+        """The same, where bodies are alike whose temperatures vary in another way in space.
+
+        Not with couplings, whose motions do work on what temperatures do.
+        """
+        found = self.differences(other)
+        if self.couplings:
+            return found
+        one, another = ([each.extent for each in body.heated] for body in (self, other))
+        return [name for name in found if name != "heated" or one != another]
 
 
 def _elastic(material: Material) -> Material:

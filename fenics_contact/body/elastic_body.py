@@ -33,7 +33,7 @@ from fenics_contact.body.coupled_face import (
     SpreadForces,
     point_forces,
 )
-from fenics_contact.body.description import BodyDescription, Joint
+from fenics_contact.body.description import BodyDescription, HeatedGroup, Joint
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
 from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces, ScalarForms
@@ -205,13 +205,32 @@ class ElasticBody:
         Args:
             rise: Less the reference, at the nodes of this rank, (nodes,) (temperature).
         """
-        first = len(self.preloaded)
-        for number, part in enumerate(self.heated, first):
+        for part in self.heated:
             if part.described.is_found:
                 part.follow(rise)
-                forces = self._forms_of_parts[number].assembled()
-                self.scalar_forces[number] = forces
-                self.scalar_stiffness[number, number] = forces.stiffness
+        self._renew_heated()
+
+    def take_fields(self, heated: Sequence[HeatedGroup]) -> None:
+        """Take temperatures that vary in other ways in space; collective.
+
+        Args:
+            heated: All groups, of the same extents.
+
+        Raises:
+            InputError: A function or a file of a temperature fails; the body is of no use then.
+        """
+        for part in self.heated:
+            extent = part.described.extent
+            part.take_field(next(each for each in heated if each.extent == extent))
+        self._renew_heated()
+
+    def _renew_heated(self) -> None:
+        """Find what parts with other temperatures do to the body; collective."""
+        first = len(self.preloaded)
+        for number in range(first, first + len(self.heated)):
+            forces = self._forms_of_parts[number].assembled()
+            self.scalar_forces[number] = forces
+            self.scalar_stiffness[number, number] = forces.stiffness
         for tight in self.scalar_forces[:first]:
             tight.others.clear()
         self._couple_parts()

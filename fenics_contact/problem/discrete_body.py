@@ -103,6 +103,18 @@ class DiscreteBody:
         kept: _T = self.found[name]
         return kept
 
+    def take_temperatures(self, description: BodyDescription) -> None:
+        """Take temperatures that vary in other ways in space; collective.
+
+        Args:
+            description: Of this body but for these fields.
+
+        Raises:
+            InputError: A function or a file of a temperature fails; the body is of no use then.
+        """
+        self.elastic.take_fields(description.heated)
+        self.description = description
+
     def require_fit(self, scene: Scene) -> None:
         """Refuse a scene of another body.
 

@@ -89,6 +89,18 @@ class HeatedPart:
         """
         self._field.x.array[:] = self._projection.of_nodes(rise).x.array
 
+    def take_field(self, described: HeatedGroup) -> None:
+        """Take a temperature that varies in another way in space; collective.
+
+        Args:
+            described: Of the same extent.
+        """
+        self.described = described
+        for name in ("_rise", "largest_rise"):
+            self.__dict__.pop(name, None)
+        if self._rise is not None:
+            self._field.x.array[:] = self._rise.x.array / (self.largest_rise or 1.0)
+
     @cached_property
     def _projection(self) -> CellProjection:
         return CellProjection(self.spaces, self.cells)

@@ -12,7 +12,7 @@ from mpi4py import MPI
 from fenics_contact.analyses import registry
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.arrays import Flags
-from fenics_contact.common.errors import InputError
+from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.slave_and_master import ContactSides
 from fenics_contact.evaluate.rows_of_body import RowsOfBody
@@ -94,6 +94,16 @@ class KeptBody:
     def serve_many(self) -> None:
         """From now on keep what each problem would work out of the body."""
         self.discrete.serve_many()
+
+    def take_temperatures(self, description: BodyDescription) -> None:
+        """Take temperatures that vary in other ways in space, by a solve inside it; collective.
+
+        Args:
+            description: Of this body but for these fields.
+        """
+        self.discrete.take_temperatures(description)
+        if self.condensed is not None:
+            self.condensed.renew_scalars()
 
     @property
     def factorisations(self) -> int:
@@ -235,7 +245,8 @@ class BodyOfStudy:
 
     def differences(self, scene: Scene, other: Scene) -> list[str]:
         """Return the names of the parts by which the bodies of two scenes differ."""
-        found = list(BodyDescription.of(scene).differences(BodyDescription.of(other)))
+        one, another = (BodyDescription.of(each) for each in (scene, other))
+        found = list(one.differences_beside_fields(another))
         return found if self._same_mesh(mesh_key(scene), other) else ["mesh", *found]
 
     def of(self, scene: Scene, timings: Timings) -> KeptBody:
@@ -248,10 +259,11 @@ class BodyOfStudy:
         same_mesh = self._same_mesh(self._mesh_of, scene)
         if self.kept is not None:
             description = BodyDescription.of(scene)
-            other = list(self.kept.discrete.description.differences(description))
+            known = self.kept.discrete.description
+            other = list(known.differences_beside_fields(description))
             other += [] if same_mesh else ["mesh"]
             if not other:
-                return self.kept
+                return self._at_temperatures(self.kept, description)
             logger.info("the body is made anew: other %s", ", ".join(other))
             self._before += self.kept.factorisations
             self.kept.close()
@@ -260,6 +272,19 @@ class BodyOfStudy:
             self._mesh, self._mesh_of = mesh_of(scene, self._comm, timings), mesh_key(scene)
         self.kept = KeptBody(scene, self._mesh, timings, self.factors)
         return self.kept
+
+    def _at_temperatures(self, kept: KeptBody, description: BodyDescription) -> KeptBody:
+        """The body with the temperatures of a description; collective."""
+        if not kept.discrete.description.differences(description):
+            return kept
+        try:
+            kept.take_temperatures(description)
+        except FenicsContactError:  # it has some of both
+            self._before += kept.factorisations
+            kept.close()
+            self.kept = None
+            raise
+        return kept
 
     def _same_mesh(self, key: Sequence[object], scene: Scene) -> bool:
         return self._own_mesh or key == mesh_key(scene)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
+from fenics_contact.body.description import BodyDescription
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.failures import failing_together
@@ -130,6 +131,9 @@ class Study:
         path, kept = Path(file), self._body.kept
         if kept is None or kept.condensed is None:
             raise InputError(f"{path}: solve before saving: no body is condensed yet")
+        described = BodyDescription.of(self.scene)
+        if not kept.discrete.description.differences_beside_fields(described):
+            self._body_of(self.scene)  # with its own temperatures
         with failing_together(self.comm):
             kept.make_rows()
             save_body(path, kept.condensed, text_of(self.scene))

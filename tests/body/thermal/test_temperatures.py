@@ -18,10 +18,13 @@ from fenics_contact import (
     Scene,
     SolverSettings,
     Steps,
+    Study,
     Support,
     Temperature,
     run,
 )
+from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.common.errors import InputError
 from fenics_contact.simulation.sensitivities.scene_values import found_in, with_changes
 from fenics_contact.verification.boxes import Box, boxes
 from fenics_contact.verification.thermal.temperatures import warm_joint
@@ -394,3 +397,35 @@ def test_a_derivative_of_a_field_is_refused():
     asked = DerivativeRequest(of=("strain_energy",), by=("temperature.0.value.values.0",))
     with refused("no_derivative_by_a_temperature_field"):
         run(replace(made, temperature=temperature, derivatives=asked), COMM, body)
+
+
+def test_a_study_keeps_its_body_where_temperatures_vary_otherwise(monkeypatch, tmp_path):
+    """Its answers are those of runs; a field that fails leaves nothing of it behind."""
+    made, body = _fitted()
+    profile = Profile(along="x", at=(0, 40), values=(-80, -60))
+    made = replace(made, temperature=(replace(made.temperature[0], value=profile),))
+    study = Study(made, COMM, body)
+    before = study.solve().quantities["pressure_integral"]
+    changes = {"temperature.0.value.values.1": -100}
+    assert study.other_parts(changes) == []
+    missing = str(COMM.bcast(tmp_path) / "none.csv")
+    with monkeypatch.context() as patch:
+        patch.setattr(ElasticBody, "__init__", None)  # nothing is to be made anew
+        found, quick = study.solve(changes), study.quantities(changes)
+        again = study.solve().quantities["pressure_integral"]
+        with pytest.raises(InputError, match=r"none\.csv"):
+            study.solve({"temperature.0.value": None, "temperature.0.file": missing})
+    alone = run(with_changes(made, changes), COMM, body)
+    for name in ("pressure_integral", "strain_energy", "max_contact_pressure", "max_temperature"):
+        expected = pytest.approx(alone.quantities[name], rel=1e-9)
+        assert found.quantities[name] == expected, name
+        assert quick.quantities[name] == expected, name
+    assert abs(found.quantities["pressure_integral"] - before) > 0.05 * before
+    for known in (again, study.solve().quantities["pressure_integral"]):
+        assert known == pytest.approx(before, rel=1e-9)
+    assert study.factorisations == 1
+    study.solve(changes)
+    file = COMM.bcast(tmp_path) / "body.npz"
+    study.save(file)
+    loaded = Study.load(file, made, COMM, body).solve().quantities["pressure_integral"]
+    assert loaded == pytest.approx(before, rel=1e-9)
