@@ -12,6 +12,7 @@ from math import log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from fenics_contact.analytic import contact as formulas
 from fenics_contact.results.contact_points import ContactTable
@@ -311,6 +312,46 @@ def _joint_damping(solved: Solved) -> Iterator[Finding]:
     yield Finding(name, last.loss, last.loop_area, 1e-2)
 
 
+def warm_fit(share: float) -> tuple[float, float]:
+    """Pressure of the warm fit (N/mm²), and the heat that crosses (N mm/s), by its page's formulas.
+
+    Args:
+        share: Of the temperature at the bore that there is.
+    """
+    inner, radius, outer, length, conductivity, rise = 10.0, 20.0, 40.0, 20.0, 50.0, 180 * share
+    rings, shear = ((inner, radius), (radius, outer)), 1.3 / 210e3
+
+    def flow(pressure: float) -> float:
+        parts = [1 / (radius * pressure / 20), 1 / (outer * 5)]
+        parts += [log(to / start) / conductivity for start, to in rings]
+        return rise / sum(parts)
+
+    def overlap(pressure: float) -> float:
+        """What is left of the interference once both rings have moved."""
+        heat, moved, at = flow(pressure), [0.01, 0.0], rise
+        for number, (start, to) in enumerate(rings):
+            drop = heat * log(to / start) / conductivity
+            end, size = at - drop, to**2 - start**2
+            warmth = (end * to**2 - at * start**2) / 2 + drop * size / (4 * log(to / start))
+            other = start if number == 0 else to
+            soft = shear * radius * (0.4 * radius**2 + other**2) / size
+            moved[number] += 2 * 12e-6 * 1.3 * radius * warmth / size
+            moved[number] += soft * pressure * (-1 if number == 0 else 1)
+            at = end - heat / (radius * pressure / 20)
+        return moved[0] - moved[1]
+
+    pressure = float(brentq(overlap, 1e-3, 1e3, xtol=1e-12))
+    return pressure, 2 * pi * length * flow(pressure)
+
+
+def _warm_fit(solved: Solved) -> Iterator[Finding]:
+    area, steps = 2 * pi * 20 * 20, solved.steps()
+    cold, (warm, heat) = warm_fit(0.0)[0], warm_fit(1.0)
+    yield Finding("pressure while it is cold", steps[0]["pressure_integral"] / area, cold, 1e-4)
+    yield Finding("pressure in the end", steps[-1]["pressure_integral"] / area, warm, 1e-4)
+    yield Finding("heat that crosses", -solved.value("heat_flow"), heat, 1e-4)
+
+
 ENTRIES: dict[str, Entry] = {
     "slab": Entry(
         source=f"{PAPER}, example 1; parts of its data are lost and reconstructed, {PROTOTYPE}",
@@ -375,6 +416,10 @@ ENTRIES: dict[str, Entry] = {
     "cycle": Entry(
         source=f"{JOHNSON}, sections 7.2 and 7.4, for the largest force that came out",
         findings=_cycle,
+    ),
+    "warm_fit": Entry(
+        source="S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, 1970, articles 28 and 151",
+        findings=_warm_fit,
     ),
     "impact": Entry(
         source=f"H. Hertz; {JOHNSON}, section 11.4; balance of momentum",

@@ -74,6 +74,12 @@ EXPECTED = {
         "stick_area": (0, 0),
         "contact_area": (2 * sqrt(1 + SLOPE**2), 1e-9),
     },
+    # By the formulas of its page, worked out apart from this program.
+    "warm_fit": {
+        "pressure_integral": (137.3558 * 2 * pi * 20**2, 1e-5),
+        "heat_flow": (-565398.34, 1e-5),
+        "max_temperature": (200, 1e-12),
+    },
 }
 # The same without friction.
 FRICTIONLESS = {
