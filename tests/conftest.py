@@ -72,6 +72,16 @@ def pytest_addoption(parser):
     )  # fmt: skip
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """With ``--dist loadfile`` files that take long are not begun last."""
+    if config.getoption("dist") != "loadfile":
+        return None
+    from tests.longest_first import LongestFirst  # xdist is there
+
+    return LongestFirst(config, log)
+
+
 def pytest_collection_modifyitems(config, items):
     left_out = cases_left_out(items, config.getoption("one_case_in"), COMM.size)
     left_out |= left_to_others(items, config.getoption("one_test_in"), COMM.size)

@@ -2,12 +2,13 @@
 
 import gc
 import subprocess
-from collections import namedtuple
+from collections import OrderedDict, namedtuple
 from pathlib import Path
 
 import pytest
 import ufl
 from dolfinx import fem, jit
+from xdist.scheduler import LoadFileScheduling
 
 from tests.compiled_headers import command_of_forms, compiled, is_tiny, options
 from tests.conftest import (
@@ -19,7 +20,8 @@ from tests.conftest import (
     on_two_ranks_elsewhere,
     without_listing,
 )
-from tests.scenes import box_body
+from tests.longest_first import LONGEST, LongestFirst
+from tests.scenes import ROOT, box_body
 
 pytestmark = pytest.mark.serial
 
@@ -97,6 +99,21 @@ def test_two_ranks_share_the_tests_of_two_versions_of_dolfinx():
     assert set(ITEMS) > elsewhere > set()
     assert on_two_ranks_elsewhere(items[::-1][:40], 2) == elsewhere & set(items[::-1][:40])
     assert not on_two_ranks_elsewhere(items, 0)
+
+
+def test_files_that_take_longest_are_begun_first(monkeypatch):
+    assert all((ROOT / file).is_file() for file in LONGEST)
+    begun = []
+    monkeypatch.setattr(
+        LoadFileScheduling,
+        "_assign_work_unit",
+        lambda self, node: begun.append(self.workqueue.popitem(last=False)[0]),
+    )
+    scheduler = LongestFirst.__new__(LongestFirst)  # which wants a run of pytest-xdist
+    scheduler.workqueue = OrderedDict.fromkeys(["many.py", LONGEST[1], "few.py", LONGEST[0]])
+    while scheduler.workqueue:
+        scheduler._assign_work_unit(None)
+    assert begun == [LONGEST[0], LONGEST[1], "many.py", "few.py"]
 
 
 def test_forms_are_not_optimised():
