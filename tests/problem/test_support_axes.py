@@ -82,8 +82,8 @@ INNER, OUTER, HEIGHT = 20.0, 40.0, 30.0
 AROUND = SupportAxes(cylindrical=(0, 0, 2))
 
 
-def tube(cells=(24, 2, 3), order=2, shift=(0.0, 0.0)):
-    """A tube along z."""
+def tube(cells=(24, 2, 1), order=2, shift=(0.0, 0.0)):
+    """A tube along z, along which these displacements are linear."""
     box = Box("tube", (0.0, INNER, 0.0), (2 * np.pi, OUTER, HEIGHT), cells)
     body = boxes([box], "hexahedron", order=order, closed=["tube"])
     places = body.mesh.geometry.x
@@ -163,7 +163,7 @@ def test_a_shaft_that_is_turned():
         "tube.z1", {"around": lambda x: twist * np.hypot(x[0], x[1])}, axes=AROUND, name="turned"
     )
     clamp = Support("tube.z0", {"x": 0, "y": 0, "z": 0})
-    found = run(held_tube(support=(turned, clamp)), COMM, tube((32, 2, 4)))
+    found = run(held_tube(support=(turned, clamp)), COMM, tube((32, 2, 1)))
     stiffness = E / (2 * (1 + RATIO)) * np.pi / 2 * (OUTER**4 - INNER**4) / HEIGHT
     assert found.supports[0].reaction_moment[2] == pytest.approx(stiffness * twist, rel=2e-3)
 
