@@ -1,7 +1,9 @@
 """The packages stand in one order: each imports only from those before it, and none is crowded."""
 
 import ast
+import functools
 from collections import Counter
+from collections.abc import Collection
 from pathlib import Path
 
 import pytest
@@ -62,7 +64,8 @@ HEAVY = {"dolfinx", "ufl", "basix", "petsc4py", "mpi4py"}
 MOST = 14  # modules of a folder
 
 
-def imports(path: Path) -> set[str]:
+@functools.cache
+def imports(path: Path) -> frozenset[str]:
     """Modules of a file's imports; what only a type checker sees counts as well."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -70,7 +73,7 @@ def imports(path: Path) -> set[str]:
             found |= {name.name for name in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
             found |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
-    return found
+    return frozenset(found)
 
 
 def place(path: Path) -> tuple[str, ...]:
@@ -82,7 +85,7 @@ def place(path: Path) -> tuple[str, ...]:
     return ANALYSES.get(part, "simulation"), "analyses", *rest
 
 
-def upwards(path: Path, names: set[str]) -> list[str]:
+def upwards(path: Path, names: Collection[str]) -> list[str]:
     """The imports of a file that do not go to the left.
 
     Args:
