@@ -125,6 +125,7 @@ class CondensedSystem(System):
 
     def update_pairing(self) -> None:
         """Update the pairing of contacts, without another factorisation of the bulk; collective."""
+        self.follow_loads()
         values = self._values(self.state)
         displacements, scalars = self.contact_displacements(), self._scalars_of(values)
         self._place_contacts()
