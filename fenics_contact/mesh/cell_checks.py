@@ -163,6 +163,20 @@ class FileCells:
         )
 
 
+def undefined_node(where: str, element: int, node: int) -> InputError:
+    """The error of a cell with a node that the file does not define.
+
+    Args:
+        where: What begins a message: the file.
+        element: By its number.
+        node: By its number.
+    """
+    return InputError(
+        f"{where}: its cells use nodes that it does not define: the element {element} the node "
+        f"{node}"
+    )
+
+
 def vertex_keys(vertices: Integers, count: int) -> NDArray[np.uint64]:
     """Sums of random numbers of vertices (last axis): equal whatever their order.
 

@@ -6,6 +6,7 @@ they are put together.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 from fenics_contact.common.arrays import Flags, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.mesh.neighbours import Finding, Neighbours
-from fenics_contact.mesh.readers.element_kinds import dimension_of_name
+from fenics_contact.mesh.readers.element_kinds import NAMES, dimension_of_name
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.scene import MeshSource
 
@@ -169,28 +170,28 @@ def left_out(
     description: Mapping[str, Any],
     dimension: int,
     facet_kind: int,
-    outside: Mapping[int, int],
+    are_sides: Flags,
 ) -> tuple[str, ...]:
     """A sentence, without its full stop, on elements that are neither cells nor sides of cells.
 
     Of Gmsh's files only those that stand in groups count: it saves lines and surfaces of its own.
 
     Args:
-        read: Arrays of the process that has read the file.
+        read: Arrays of the process that has read the mesh.
         description: Its description.
         dimension: Of the model.
         facet_kind: Gmsh's type of the sides of the cells.
-        outside: Part of the boundary → how many of its facets are no sides of cells.
+        are_sides: Whether each element of this type is a side of a cell.
     """
-    counts: dict[str, int] = {}
-    for name, parts in _elements(read, description, dimension).items():
-        kind = int(name)
-        if kind == facet_kind:
-            count = sum(outside.get(int(part), 0) for part in np.unique(parts))
-        else:
-            count = len(parts)
-        if count:
-            counts[description["types"][name]] = count
+    counts: Counter[str] = Counter()
+    for name, chosen in _elements(read, description, dimension).items():
+        if int(name) == facet_kind:
+            chosen = chosen & ~are_sides
+        numbers = read[f"numbers_{name}"][chosen]
+        kinds = read.get(f"kinds_{name}", np.full(len(chosen), int(name)))[chosen]
+        for kind in np.unique(kinds):  # in the file; one of them may be several triangles here
+            called = NAMES.get(int(kind)) or description["types"][name]
+            counts[called] += len(np.unique(numbers[kinds == kind]))
     if not counts:
         return ()
     named = " and ".join(f"{count} of the type {name}" for name, count in counts.items())
@@ -202,11 +203,11 @@ def left_out(
 
 def _elements(
     read: Mapping[str, Any], description: Mapping[str, Any], dimension: int
-) -> dict[str, Integers]:
-    """Parts of the elements below the model's dimension by Gmsh's type, of those that count."""
+) -> dict[str, Flags]:
+    """Flags of the elements below the model's dimension that count, by Gmsh's type."""
     if description.get("lists_once"):
         return {
-            name: read[f"parts_{name}"][read[f"numbers_{name}"] > 0]
+            name: read[f"numbers_{name}"] > 0
             for name, called in description["types"].items()
             if dimension_of_name(called) in range(1, dimension)
         }
@@ -217,7 +218,7 @@ def _elements(
         for part in group["parts"]
     ]
     return {
-        name: read[f"parts_{name}"][np.isin(read[f"parts_{name}"], named)]
+        name: np.isin(read[f"parts_{name}"], named)
         for name, called in description["types"].items()
         if dimension_of_name(called) == dimension - 1
     }

@@ -15,16 +15,18 @@ import numpy as np
 from dolfinx import cpp
 from numpy.typing import NDArray
 
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.mesh.cell_checks import (
     FileCells,
     check_dimension,
     check_points,
+    undefined_node,
     vertex_keys,
 )
 from fenics_contact.mesh.file_groups import PartTags, Piece, left_out, named_groups
-from fenics_contact.mesh.readers.element_kinds import complete, dimension_of_name
+from fenics_contact.mesh.readers.element_kinds import dimension_of_name
+from fenics_contact.mesh.subdivision.uniform import Form, body_parts, uniform
 from fenics_contact.mesh.tagged_mesh import Group, Relation
 from fenics_contact.scene.scene import MeshSource
 
@@ -94,6 +96,7 @@ def build(
     source: MeshSource,
     dimension: int,
     key: str,
+    form: Form | None = None,
 ) -> MeshArrays:
     """Choose the body's cells and its facets, name the groups, and refuse what is unsound.
 
@@ -103,11 +106,12 @@ def build(
         source: The scene's mesh, with the groups that it names.
         dimension: Of the model.
         key: Of the mesh in the scene, for messages: ``mesh``, or ``mesh[1]``.
+        form: Of all cells of the model; by default that of this mesh.
     """
     where = f"{key}.file = '{source.file}'"
-    read, description = complete(read, description)
     check_dimension(where, description, dimension)
-    parts = _body_parts(description, dimension)
+    read, description, notes = uniform(where, read, description, dimension, form)
+    parts = body_parts(description, dimension)
     kind, nodes, cell_parts, numbers = _cells(where, read, description, parts, dimension)
     cell, order = CELLS[kind]
     points, cells, old_tags = _used_points(where, read, nodes, numbers)
@@ -122,11 +126,15 @@ def build(
     keys = _facet_keys(cell, cells, len(points))
     found.check_facets(keys)
     found.check_jacobians(points)
-    facets, facet_parts, outside = _facets(read, cell, order, old_tags, keys, len(points))
+    facets, facet_parts, are_sides = _facets(read, cell, order, old_tags, keys, len(points))
     corners = len(_corners_of_facets(cell)[0])
     facets, facet_tags, boundary, _ = _unique(facets, facet_parts, corners, len(points))
     facets = facets[:, _permutation(_SIDES[corners], facets.shape[1])]
     places = _places(read, old_tags, points)
+    lost = read.get(f"parts_{_FACETS[cell][order]}", are_sides)[~are_sides]
+    outside = dict(
+        zip(*(found.tolist() for found in np.unique(lost, return_counts=True)), strict=True)
+    )
     tags = PartTags(dimension, body, boundary, outside, places)
     groups, by_number, sides = named_groups(key, source, description, tags)
     relations = tuple(_relation(**found) for found in description.get("relations", ()))
@@ -134,7 +142,7 @@ def build(
         *(cell, order, points, cells, cell_tags, facets, facet_tags),
         *(groups, by_number, relations, sides, found.numbers),
         description.get("kinematics", {}),
-        left_out(read, description, dimension, _FACETS[cell][order], outside),
+        (*notes, *left_out(read, description, dimension, _FACETS[cell][order], are_sides)),
     )
 
 
@@ -145,15 +153,6 @@ def _relation(bodies: list[str], kind: str, overlap: float, share: float) -> Rel
 def nodes_of(cell: str, order: int) -> int:
     """Geometry nodes of a cell."""
     return int(basix.ufl.element("Lagrange", cell, order).dim)
-
-
-def _body_parts(description: Mapping[str, Any], dimension: int) -> list[int]:
-    """Parts that make the body: all, or those in physical groups of Gmsh's if there are some."""
-    every = [p["tag"] for p in description["parts"] if p["dimension"] == dimension]
-    if description.get("whole"):
-        return every
-    grouped = {p for g in description["groups"] if g["dimension"] == dimension for p in g["parts"]}
-    return sorted(grouped) or every
 
 
 def _cells(
@@ -175,14 +174,13 @@ def _cells(
     names = [description["types"][str(kind)] for kind in sorted(found)]
     if not found:
         raise InputError(f"{where}: the body has no cells of dimension {dimension}")
-    if len(found) > 1:
-        raise InputError(f"{where}: mixes cells ({', '.join(names)}); all must be of one type")
-    kind, chosen = next(iter(found.items()))
-    if kind not in CELLS:
+    bad = [name for kind, name in zip(sorted(found), names, strict=True) if kind not in CELLS]
+    if bad:
         raise InputError(
-            f"{where}: its cells are of the type {names[0]}; it must be one of "
-            "triangle, quadrilateral, tetrahedron or hexahedron, of order 1 or 2 (complete)"
+            f"{where}: its cells are of the type {' and '.join(bad)}; they must be triangles, "
+            "quadrilaterals, tetrahedra, hexahedra, prisms or pyramids, of order 1 or 2"
         )
+    ((kind, chosen),) = found.items()
     nodes, parts_of, numbers = (read[f"{name}_{kind}"] for name in ("nodes", "parts", "numbers"))
     return kind, nodes[chosen].astype(np.int64), parts_of[chosen], numbers[chosen].astype(np.int64)
 
@@ -198,10 +196,7 @@ def _used_points(
     if len(tags) == 0 or (tags[order][place] != used).any():
         missing = used[tags[order][place] != used][0] if len(tags) else used[0]
         first = numbers[np.argmax((nodes == missing).any(axis=1))]
-        raise InputError(
-            f"{where}: its cells use nodes that it does not define: the element {first} the node "
-            f"{missing}"
-        )
+        raise undefined_node(where, first, missing)
     return read["points"][order[place]], inverse.reshape(nodes.shape), used
 
 
@@ -227,22 +222,18 @@ def _facets(
     old_tags: Integers,
     keys: NDArray[np.uint64],
     count: int,
-) -> tuple[Integers, Integers, dict[int, int]]:
-    """Nodes and part of the facets that are sides of cells; how many of a part are not."""
+) -> tuple[Integers, Integers, Flags]:
+    """Nodes and part of the facets that are sides of cells; whether each in the file is one."""
     kind, corners = _FACETS[cell][order], len(_corners_of_facets(cell)[0])
     if f"nodes_{kind}" not in read:
         width = nodes_of(_SIDES[corners], order)
-        return np.zeros((0, width), dtype=np.int64), np.zeros(0, dtype=np.int64), {}
+        none = np.zeros(0, dtype=np.int64)
+        return np.zeros((0, width), dtype=np.int64), none, none.astype(bool)
     nodes, parts = read[f"nodes_{kind}"].astype(np.int64), read[f"parts_{kind}"]
     place = np.minimum(np.searchsorted(old_tags, nodes), len(old_tags) - 1)
     known = (old_tags[place] == nodes).all(axis=1)
     known &= np.isin(vertex_keys(place[:, :corners], count), keys)
-    lost, counts = np.unique(parts[~known], return_counts=True)
-    return (
-        place[known],
-        parts[known],
-        dict(zip(lost.tolist(), counts.tolist(), strict=True)),
-    )
+    return place[known], parts[known], known
 
 
 # Gmsh's types of points and edges, by their dimension.

@@ -47,12 +47,8 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
 
     Args:
         sources: Of the meshes, with their names.
-        meshes: At least one.
-
-    Raises:
-        InputError: They differ in their cells.
+        meshes: At least one, all of one type of cells and one order.
     """
-    _require_alike(sources, meshes)
     shifts = np.cumsum([0] + [len(mesh.points) for mesh in meshes[:-1]])
     cell_shifts = _shifts([mesh.cell_tags for mesh in meshes])
     facet_shifts = _shifts([mesh.facet_tags for mesh in meshes])
@@ -84,19 +80,6 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
         {kind: said for mesh in meshes for kind, said in mesh.kinematics.items()},
         tuple(note for mesh in meshes for note in mesh.notes),
     )
-
-
-def _require_alike(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> None:
-    """One type of cells and one order of geometry: dolfinx holds no other mesh."""
-    first = meshes[0]
-    for number, mesh in enumerate(meshes):
-        if (mesh.cell, mesh.order) != (first.cell, first.order):
-            raise InputError(
-                f"mesh[{number}].file = '{sources[number].file}': its cells are of the type "
-                f"{mesh.cell} of order {mesh.order}, but those of mesh[0].file = "
-                f"'{sources[0].file}' of the type {first.cell} of order {first.order}; all meshes "
-                "must have the same"
-            )
 
 
 def _shifts(tags: Sequence[Tags]) -> list[int]:

@@ -36,6 +36,7 @@ from fenics_contact.mesh.geometry.file_kinds import (
 from fenics_contact.mesh.joining import Cut, bolts_of, cuts_of
 from fenics_contact.mesh.neighbours import Finding, Neighbours
 from fenics_contact.mesh.size_field import SizeField
+from fenics_contact.mesh.subdivision.uniform import Form, common_form, form_of
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.scene import MeshSource, Scene
@@ -136,9 +137,14 @@ def _load_all(
     """The meshes of all files as one; on rank 0."""
     keys = [f"mesh[{number}]" for number in range(len(sources))] if len(sources) > 1 else ["mesh"]
     fields: Sequence[SizeField | None] = sizes or [None] * len(sources)
-    meshes = [
-        _load(key, source, dimension, field, curved, of_source)
+    answers = [
+        _read(key, source, dimension, field, curved, of_source)
         for key, source, field, of_source in zip(keys, sources, fields, cuts, strict=True)
+    ]
+    form = common_form(form_of(read, said, dimension) for said, read in answers)
+    meshes = [
+        _load(key, source, dimension, answer, form)
+        for key, source, answer in zip(keys, sources, answers, strict=True)
     ]
     if len(sources) == 1:
         return mesh_join.with_name("mesh", sources[0], meshes[0])
@@ -152,12 +158,7 @@ def is_geometry(source: MeshSource) -> bool:
 
 
 def _load(
-    key: str,
-    source: MeshSource,
-    dimension: int,
-    sizes: SizeField | None,
-    curved: bool,
-    cuts: Sequence[Cut],
+    key: str, source: MeshSource, dimension: int, answer: gmsh_call.Answer, form: Form | None
 ) -> MeshArrays:
     """The mesh of a file, examined; on rank 0.
 
@@ -165,12 +166,11 @@ def _load(
         key: Of the mesh in the scene, for messages: ``mesh``, or ``mesh[1]``.
         source: The file and how to mesh it.
         dimension: Of the model.
-        sizes: Of its cells, if not those that it asks for.
-        curved: As for ``load_body``.
-        cuts: Of its bodies.
+        answer: What was read of the file.
+        form: Of all cells of the model.
     """
-    description, read = _read(key, source, dimension, sizes, curved, cuts)
-    made = mesh_arrays.build(read, description, source, dimension, key)
+    description, read = answer
+    made = mesh_arrays.build(read, description, source, dimension, key, form)
     where = f"{key}.file = '{source.file}'"
     found = _examined(where, dataclasses.replace(made, notes=()), _findings(source, made))
     for relation in made.relations:

@@ -213,8 +213,6 @@ def test_names_that_do_not_tell_meshes_apart_are_refused(folder):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"cell": "quadrilateral"}, "meshes_of_different_cells"),
-        ({"order": 2}, "meshes_of_different_order"),
         ({"file": "nowhere.geo"}, "no_mesh_file_nowhere"),
         ({"parameters": {"n": 1}}, "no_such_constant_of_one_mesh"),
         ({"groups": {"side": (9,)}}, "no_curve_9"),

@@ -373,10 +373,6 @@ def test_empty_group_of_ones_own_mesh():
         ('Point(1) = {0, 0, 0};\nPhysical Surface("b") = {4};\n', "mesh_of_dimension_0"),
         ('SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 1, 1};\n', "mesh_of_dimension_3"),
         (RECTANGLE + "Rotate {{1, 0, 0}, {0, 0, 0}, 0.1} { Surface{1}; }\n", "mesh_out_of_plane"),
-        (
-            RECTANGLE + "Rectangle(2) = {2, 0, 0, 1, 1};\nRecombine Surface{2};\n",
-            "mesh_of_mixed_cells",
-        ),
         (RECTANGLE + "Exit;\n", "statement_exit_refused"),
     ],
 )

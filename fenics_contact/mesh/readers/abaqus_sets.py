@@ -242,9 +242,9 @@ def _sides(line: Line, elements: Elements, kind: int, rows: Integers, label: str
             return {}
         if not label:
             return outer_sides(elements.nodes, {kind: nodes}, dimension)
-        side, places = SIDES[kind]
-        if label in [f"S{number}" for number in range(1, len(places) + 1)]:
-            return {side: nodes[:, np.array(places[int(label[1:]) - 1])]}
+        if label in [f"S{number}" for number in range(1, len(SIDES[kind]) + 1)]:
+            side, places = SIDES[kind][int(label[1:]) - 1]
+            return {side: nodes[:, np.array(places)]}
     raise line.error(f"'{label}' names no side of these elements{_instead(elements, kind, rows)}")
 
 
@@ -259,5 +259,5 @@ def _instead(elements: Elements, kind: int, rows: Integers) -> str:
             )
         return ", which are shells; there are SPOS and SNEG, or S1 and S2"
     if dimension == elements.dimension:
-        return f"; there are S1 to S{len(SIDES[kind][1])}"
+        return f"; there are S1 to S{len(SIDES[kind])}"
     return ", which are no cells; a surface of these elements themselves has no label"

@@ -1,18 +1,16 @@
 """Elements as Gmsh numbers them: its types, the order of their nodes, and the sides of cells.
 
-Quadratic cells without nodes in the middle of faces and cells, made complete. A serendipity cell,
-such as a hexahedron of 20 nodes, is a special complete one of order 2: with the nodes that are
-missing where its own functions put them, both have exactly the same geometry.
+Shapes of all types that are read: corners, edges, faces and sides, and the order of their nodes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.arrays import Integers
 
 #: Gmsh's types: names as Gmsh calls them, and dimensions.
 NAMES = {
@@ -33,6 +31,8 @@ NAMES = {
     18: "Prism 15",
     7: "Pyramid 5",
     19: "Pyramid 13",
+    13: "Prism 18",
+    14: "Pyramid 14",
 }
 _DIMENSIONS = {"Point": 0, "Line": 1, "Triangle": 2, "Quadrilateral": 2, "Polygon": 2}
 # Other programs list the nodes on the edges of a cell around its base, around its top, then
@@ -40,38 +40,89 @@ _DIMENSIONS = {"Point": 0, "Line": 1, "Triangle": 2, "Quadrilateral": 2, "Polygo
 _FROM_USUAL = {
     11: (*range(8), 9, 8),
     17: (*range(8), 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14),
+    18: (*range(6), 6, 8, 12, 7, 13, 14, 9, 11, 10),
+    19: (*range(5), 5, 8, 9, 6, 10, 7, 11, 12),
 }
 # VTK's faces of a hexahedron are x = 0, 1, y = 0, 1, z = 0, 1; Gmsh's z = 0, y = 0, x = 0, 1, …
 _FROM_USUAL[12] = (*_FROM_USUAL[17], 24, 22, 20, 21, 23, 25, 26)
-#: Of each type: Gmsh's type of its sides, and the places of their nodes, in the order in which
-#: Abaqus numbers sides.
-SIDES = {
-    2: (1, ((0, 1), (1, 2), (2, 0))),
-    9: (8, ((0, 1, 3), (1, 2, 4), (2, 0, 5))),
-    3: (1, ((0, 1), (1, 2), (2, 3), (3, 0))),
-    16: (8, ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7))),
-    4: (2, ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))),
-    11: (9, ((0, 1, 2, 4, 5, 6), (0, 3, 1, 7, 9, 4), (1, 3, 2, 9, 8, 5), (2, 3, 0, 8, 7, 6))),
-    5: (3, ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0))),
-    17: (
-        16,
-        (
-            (0, 1, 2, 3, 8, 11, 13, 9),
-            (4, 7, 6, 5, 17, 19, 18, 16),
-            (0, 4, 5, 1, 10, 16, 12, 8),
-            (1, 5, 6, 2, 12, 18, 14, 11),
-            (2, 6, 7, 3, 14, 19, 15, 13),
-            (3, 7, 4, 0, 15, 17, 10, 9),
-        ),
+_FROM_USUAL[13] = (*_FROM_USUAL[18], 15, 17, 16)
+#: Corners of each edge, in the order of Gmsh's nodes on them, which follow those at corners.
+EDGES = {
+    "Line": ((0, 1),),
+    "Triangle": ((0, 1), (1, 2), (2, 0)),
+    "Quadrilateral": ((0, 1), (1, 2), (2, 3), (3, 0)),
+    "Tetrahedron": ((0, 1), (1, 2), (2, 0), (0, 3), (2, 3), (1, 3)),
+    "Hexahedron": (
+        *((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3)),
+        *((2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)),
     ),
+    "Prism": ((0, 1), (0, 2), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (3, 5), (4, 5)),
+    "Pyramid": ((0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (2, 3), (2, 4), (3, 4)),
 }
-SIDES[10] = (8, SIDES[16][1])
-SIDES[12] = (
-    10,
-    tuple(
-        (*side, middle) for side, middle in zip(SIDES[17][1], (20, 25, 21, 23, 24, 22), strict=True)
+#: Corners of each face of four corners, in the order of Gmsh's nodes in their middles.
+FACES = {
+    "Quadrilateral": ((0, 1, 2, 3),),
+    "Hexahedron": (
+        *((0, 1, 2, 3), (0, 1, 5, 4), (0, 3, 7, 4)),
+        *((1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7)),
     ),
-)
+    "Prism": ((0, 1, 4, 3), (0, 2, 5, 3), (1, 2, 5, 4)),
+    "Pyramid": ((0, 1, 2, 3),),
+}
+#: Corners of each side in the order in which Abaqus numbers sides; in space they turn about normals
+#: that point into the cell.
+SIDE_CORNERS: Mapping[str, tuple[tuple[int, ...], ...]] = {
+    "Triangle": EDGES["Triangle"],
+    "Quadrilateral": EDGES["Quadrilateral"],
+    "Tetrahedron": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    "Hexahedron": (
+        *((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1)),
+        *((1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
+    ),
+    "Prism": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
+    "Pyramid": ((0, 1, 2, 3), (0, 4, 1), (1, 4, 2), (2, 4, 3), (3, 4, 0)),
+}
+#: Corners of each shape.
+CORNERS = {
+    name: 1 + max(corner for edge in edges for corner in edge) for name, edges in EDGES.items()
+}
+_SIDE_KINDS = {  # Gmsh's types by their nodes at corners, and on the whole
+    **{(2, 2): 1, (2, 3): 8, (3, 3): 2, (3, 6): 9},
+    **{(4, 4): 3, (4, 8): 16, (4, 9): 10},
+}
+
+
+def shape_of(kind: int) -> str:
+    """The shape of a type of elements, such as ``Triangle``."""
+    return NAMES[kind].split()[0]
+
+
+def order_of(kind: int) -> int:
+    """The order of a type of elements that have edges, 1 or 2."""
+    return 1 if int(NAMES[kind].split()[1]) == CORNERS[shape_of(kind)] else 2
+
+
+def _sides_of(kind: int) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """Gmsh's type of each side of a type of cells, and the places of its nodes."""
+    shape, count = shape_of(kind), int(NAMES[kind].split()[1])
+    corners, edges = CORNERS[shape], [frozenset(edge) for edge in EDGES[shape]]
+    faces = [frozenset(face) for face in FACES.get(shape, ())]
+    found = []
+    for side in SIDE_CORNERS[shape]:
+        places = list(side)
+        if count > corners:
+            ends = zip(side, (*side[1:], side[0]), strict=True)
+            ways = [frozenset(pair) for pair in ends][: 1 if len(side) == 2 else None]
+            places += [corners + edges.index(way) for way in ways]
+            first = corners + len(edges)
+            if len(side) == 4 and count > first:
+                places.append(first + faces.index(frozenset(side)))
+        found.append((_SIDE_KINDS[len(side), len(places)], tuple(places)))
+    return tuple(found)
+
+
+#: Of each type of cells: Gmsh's type of each side and the places of its nodes, in Abaqus's order.
+SIDES = {kind: _sides_of(kind) for kind in NAMES if shape_of(kind) in SIDE_CORNERS}
 
 
 def dimension_of(kind: int) -> int:
@@ -94,105 +145,13 @@ def as_gmsh(kind: int, nodes: Integers) -> Integers:
     return nodes[:, np.array(_FROM_USUAL[kind])] if kind in _FROM_USUAL else nodes
 
 
-# Gmsh's types: incomplete quadrilaterals and hexahedra, and complete ones.
-_QUADRILATERALS, _HEXAHEDRA = (16, 10, "Quadrilateral 9"), (17, 12, "Hexahedron 27")
-# Faces of a hexahedron in the order of their middle nodes: corners, and nodes on the edges.
-_FACES = (
-    (0, 1, 2, 3, 8, 11, 13, 9),
-    (0, 1, 5, 4, 8, 12, 16, 10),
-    (0, 3, 7, 4, 9, 15, 17, 10),
-    (1, 2, 6, 5, 11, 14, 18, 12),
-    (2, 3, 7, 6, 13, 15, 19, 14),
-    (4, 5, 6, 7, 16, 18, 19, 17),
-)
-
-
-def complete(
-    read: Mapping[str, Any], description: Mapping[str, Any]
-) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    """Return a mesh with all its quadratic quadrilaterals and hexahedra complete.
+def corner_keys(corners: Integers) -> NDArray[np.uint64]:
+    """One number for each side or edge, whatever the order of its corners: the sum of their hashes.
 
     Args:
-        read: Arrays of the process that has read the mesh.
-        description: Its description; left as it is, with the arrays, where there are both kinds,
-            or nodes are missing.
+        corners: Tags of nodes, (sides, corners).
     """
-    kinds = {int(kind) for kind in description["types"]}
-    todo = [kinds_of for kinds_of in (_QUADRILATERALS, _HEXAHEDRA) if kinds_of[0] in kinds]
-    if not todo or any(new in kinds for _, new, _ in todo):
-        return read, description
-    quadrilaterals = np.asarray(read.get("nodes_16", np.zeros((0, 8))), dtype=np.int64)
-    hexahedra = np.asarray(read.get("nodes_17", np.zeros((0, 20))), dtype=np.int64)
-    if not np.isin(
-        np.concatenate([quadrilaterals.ravel(), hexahedra.ravel()]), read["node_tags"]
-    ).all():
-        return read, description
-    middles = _Middles(read)
-    faces = np.concatenate([quadrilaterals, hexahedra[:, np.array(_FACES)].reshape(-1, 8)])
-    of_faces = middles.of_faces(faces)
-    of_cells = middles.of_cells(hexahedra)
-    count = len(quadrilaterals)
-    nodes = {
-        16: np.column_stack([quadrilaterals, of_faces[:count]]),
-        17: np.column_stack([hexahedra, of_faces[count:].reshape(-1, 6), of_cells]),
-    }
-    found, types = dict(read) | middles.arrays(), dict(description["types"])
-    for old, new, name in todo:
-        found[f"nodes_{new}"] = nodes[old]
-        for of_each in ("parts", "numbers"):
-            found[f"{of_each}_{new}"] = found.pop(f"{of_each}_{old}")
-        del found[f"nodes_{old}"], types[str(old)]
-        types[str(new)] = name
-    return found, dict(description) | {"types": types}
-
-
-class _Middles:
-    """Nodes that are added to a mesh.
-
-    Args:
-        read: Its arrays.
-    """
-
-    def __init__(self, read: Mapping[str, Any]) -> None:
-        self._tags = read["node_tags"].astype(np.int64)
-        self._points = read["points"]
-        self._order = np.argsort(self._tags)
-
-    def arrays(self) -> dict[str, Any]:
-        """Numbers and coordinates of all nodes."""
-        return {"node_tags": self._tags, "points": self._points}
-
-    def of_faces(self, faces: Integers) -> Integers:
-        """A node in the middle of each face, one for all faces of the same corners.
-
-        Args:
-            faces: Four corners and four nodes on edges of each.
-        """
-        _, first, inverse = np.unique(
-            np.sort(faces[:, :4], axis=1), axis=0, return_index=True, return_inverse=True
-        )
-        at = self._at(faces[first])
-        return self._added(at[:, 4:].sum(axis=1) / 2 - at[:, :4].sum(axis=1) / 4)[
-            inverse.reshape(-1)
-        ]
-
-    def of_cells(self, cells: Integers) -> Integers:
-        """A node in the middle of each hexahedron.
-
-        Args:
-            cells: Eight corners and twelve nodes on edges of each.
-        """
-        at = self._at(cells)
-        return self._added(at[:, 8:].sum(axis=1) / 4 - at[:, :8].sum(axis=1) / 4)
-
-    def _at(self, nodes: Integers) -> Array:
-        places = self._order[np.searchsorted(self._tags[self._order], nodes)]
-        return np.asarray(self._points[places])
-
-    def _added(self, points: Array) -> Integers:
-        start = int(self._tags.max(initial=0)) + 1
-        tags = np.arange(start, start + len(points))
-        self._tags = np.concatenate([self._tags, tags])
-        self._points = np.concatenate([self._points, points])
-        self._order = np.argsort(self._tags)
-        return tags
+    hashes = corners.astype(np.uint64)
+    for factor in (0xBF58476D1CE4E5B9, 0x94D049BB133111EB):  # of splitmix64
+        hashes = (hashes ^ (hashes >> np.uint64(30))) * np.uint64(factor)
+    return np.asarray((hashes ^ (hashes >> np.uint64(31))).sum(axis=1, dtype=np.uint64))

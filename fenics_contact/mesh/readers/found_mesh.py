@@ -10,10 +10,18 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.mesh.geometry.process_room import RefusedError
-from fenics_contact.mesh.readers.element_kinds import NAMES, SIDES, dimension_of
+from fenics_contact.mesh.readers.element_kinds import (
+    CORNERS,
+    NAMES,
+    SIDES,
+    corner_keys,
+    dimension_of,
+    shape_of,
+)
 
 _MOST = 1000  # files, each time that one is included
 
@@ -105,9 +113,6 @@ def _outside(h5py: Any, found: Any) -> list[str]:
     links = {name: found.get(name, getlink=True) for name in found}
     own = (h5py.HardLink, h5py.SoftLink)
     return [f"{found.name}/{name}" for name, link in links.items() if not isinstance(link, own)]
-
-
-_CORNERS = {1: 2, 8: 2, 2: 3, 9: 3, 3: 4, 16: 4, 10: 4}  # of the sides of cells, by Gmsh's types
 
 
 @dataclass(eq=False)
@@ -216,31 +221,26 @@ def outer_sides(
         chosen: Of some of them.
         dimension: Of the cells; elements of others have no say.
     """
-    every = _sides(elements, dimension)
-    found = {}
-    for side, nodes in _sides(chosen, dimension).items():
-        keys, counts = np.unique(_keys(side, every[side]), return_counts=True)
-        found[side] = nodes[np.isin(_keys(side, nodes), keys[counts == 1])]
-    return found
+    every, mine = (_sides(of, dimension) for of in (elements, chosen))
+    keys, counts = np.unique(
+        np.concatenate([_keys(side, nodes) for side, nodes in every.items()]), return_counts=True
+    )
+    outer = keys[counts == 1]
+    return {side: nodes[np.isin(_keys(side, nodes), outer)] for side, nodes in mine.items()}
 
 
 def _sides(elements: Mapping[int, Integers], dimension: int) -> dict[int, Integers]:
     """Nodes of all sides of the cells of a dimension, by Gmsh's type of the side."""
     sides: dict[int, list[Integers]] = {}
     for kind, nodes in elements.items():
-        if dimension_of(kind) == dimension and kind in SIDES:
-            side, places = SIDES[kind]
-            found = nodes[:, np.array(places)].reshape(-1, len(places[0]))
-            sides.setdefault(side, []).append(found)
+        for side, places in SIDES.get(kind, ()) if dimension_of(kind) == dimension else ():
+            sides.setdefault(side, []).append(nodes[:, np.array(places)])
     return {side: np.concatenate(several) for side, several in sides.items()}
 
 
-def _keys(side: int, nodes: Integers) -> Any:
-    """One number for each side, whatever the order of its corners: the sum of hashes of theirs."""
-    hashes = nodes[:, : _CORNERS[side]].astype(np.uint64)
-    for factor in (0xBF58476D1CE4E5B9, 0x94D049BB133111EB):  # of splitmix64
-        hashes = (hashes ^ (hashes >> np.uint64(30))) * np.uint64(factor)
-    return (hashes ^ (hashes >> np.uint64(31))).sum(axis=1, dtype=np.uint64)
+def _keys(side: int, nodes: Integers) -> NDArray[np.uint64]:
+    """One number for each side, the same for sides with the same corners."""
+    return corner_keys(nodes[:, : CORNERS[shape_of(side)]])
 
 
 def _add(

@@ -142,8 +142,8 @@ def _side(
     corners = {card.whole(place + 1 + n) for n in range(_WIDTH - 1)}
     kind, row = rows.get(number, (0, 0))
     if kind in SIDES and dimension_of(kind) == 3:
-        side, places = SIDES[kind]
-        for nodes in cells[kind][row][np.array(places)]:
+        for side, places in SIDES[kind]:
+            nodes = cells[kind][row][np.array(places)]
             if corners <= set(nodes.tolist()):
                 return side, nodes
     raise card.line.error(

@@ -12,7 +12,7 @@ from fenics_contact import InputError, MeshSource, main
 from fenics_contact.mesh.loading import load_body
 from tests.mesh.readers.blocks import Block, bdf, inp
 from tests.mesh.readers.test_formats import as_file, with_meshio
-from tests.mesh.test_loading import area, write
+from tests.mesh.test_loading import area, with_gmsh, write
 from tests.mesh.test_soundness import MESH_MUTATIONS
 from tests.messages import refused, says
 
@@ -134,25 +134,19 @@ def test_settings_of_geometries_are_refused(folder, name):
         load_body(MeshSource(source.file, size=0.1), 2, COMM)
 
 
-@pytest.mark.parametrize(("cell", "kind"), [("C3D6", 6), ("C3D15", 15)])
-def test_prisms_are_refused(folder, capfd, cell, kind):
-    nodes = "".join(f"{n}, {n % 3}, {n // 3}, {n % 2}\n" for n in range(1, kind + 1))
-    element = ", ".join(map(str, range(1, kind + 1)))
-    write(folder, f"*NODE\n{nodes}*ELEMENT, TYPE={cell}\n1, {element}\n", "f.inp")
-    says("cells_are_prisms", refusal(folder, capfd, "f.inp", 3))
+def test_cells_that_are_none_of_a_model_are_refused(folder):
+    """Gmsh's triangles of order 3."""
 
+    def save(gmsh):
+        gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+        gmsh.model.occ.synchronize()
+        gmsh.option.setNumber("Mesh.ElementOrder", 3)
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(folder / "cubic.msh"))
 
-def test_surfaces_of_prisms_do_not_hide_what_they_are(folder, capfd):
-    nodes = "".join(f"{n}, {n % 3}, {n // 3}, {n % 2}\n" for n in range(1, 7))
-    text = f"*NODE\n{nodes}*ELEMENT, TYPE=C3D6\n1, 1, 2, 3, 4, 5, 6\n*SURFACE, NAME=TOP\n1, S2\n"
-    write(folder, text, "f.inp")
-    says("cells_are_prisms", refusal(folder, capfd, "f.inp", 3))
-
-
-def test_mixed_cells_are_refused(folder, capfd):
-    more = "*ELEMENT, TYPE=CPE3\n999, 11, 12, 13\n*MATERIAL"
-    write(folder, SQUARE.replace("*MATERIAL", more), "f.inp")
-    says("inp_mixes_cells", refusal(folder, capfd, "f.inp"))
+    with_gmsh(save)
+    with refused("cells_of_order_3"):
+        load_body(MeshSource(str(folder / "cubic.msh")), 2, COMM)
 
 
 @pytest.mark.parametrize("suffix", ["vtu", "xdmf"])
