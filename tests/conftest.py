@@ -282,9 +282,9 @@ def _meshes_made():
 @pytest.fixture(autouse=True)
 def _geometries_of_the_repository(_meshes_made, monkeypatch):
     """Gmsh makes each mesh of these once: it starts slowly, and few tests are of it."""
-    make, ours, made = loading._load, os.path.abspath(ROOT / "meshes"), _meshes_made
+    make, ours, made = loading._read, os.path.abspath(ROOT / "meshes"), _meshes_made
 
-    def load(key, source, dimension, sizes, curved, cuts):
+    def read(key, source, dimension, sizes, curved, cuts):
         if sizes is not None or not os.path.abspath(source.file).startswith(ours):
             return make(key, source, dimension, sizes, curved, cuts)
         wanted = repr((key, source, dimension, curved, cuts))
@@ -292,7 +292,7 @@ def _geometries_of_the_repository(_meshes_made, monkeypatch):
             made[wanted] = make(key, source, dimension, None, curved, cuts)
         return copy.deepcopy(made[wanted])
 
-    monkeypatch.setattr(loading, "_load", load)
+    monkeypatch.setattr(loading, "_read", read)
 
 
 @pytest.fixture
