@@ -53,7 +53,7 @@ def of_order(
         shape = shape_of(kind)
         rows = several.nodes[:, : CORNERS[shape]]
         if order == 2:
-            rows = _with_edges(shape, rows, middles)
+            rows = _with_edges(kind, several.nodes, middles)
             rows = _with_faces(shape, rows, nodes, middles)
             if shape == "Hexahedron":
                 rows = np.column_stack([rows, _centres(several.nodes, rows, nodes)])
@@ -73,10 +73,15 @@ def _gather(kind: int, nodes: Integers, middles: Middles) -> None:
             middles.add(nodes[:, face], nodes[:, number])
 
 
-def _with_edges(shape: str, rows: Integers, middles: Middles) -> Integers:
-    """Corners, and the nodes on edges."""
-    ends = rows[:, np.array(EDGES[shape])].reshape(-1, 2)
-    return np.column_stack([rows, middles.of(ends).reshape(len(rows), -1)])
+def _with_edges(kind: int, nodes: Integers, middles: Middles) -> Integers:
+    """Corners, and the nodes on edges: the element's own, where it has them."""
+    shape = shape_of(kind)
+    first, ends = CORNERS[shape], np.array(EDGES[shape])
+    found = middles.of(nodes[:, ends].reshape(-1, 2)).reshape(len(nodes), -1)
+    if order_of(kind) == 2:
+        own = nodes[:, first : first + len(ends)]
+        found = np.where(own == NOT_GIVEN, found, own)
+    return np.column_stack([nodes[:, :first], found])
 
 
 def _with_faces(shape: str, rows: Integers, nodes: Nodes, middles: Middles) -> Integers:
