@@ -17,6 +17,7 @@ from fenics_contact.common.arrays import Flags, Integers
 from fenics_contact.common.errors import InputError
 from fenics_contact.mesh.neighbours import Finding, Neighbours
 from fenics_contact.mesh.readers.element_kinds import NAMES, dimension_of_name
+from fenics_contact.mesh.sides_by_angle import ANGLE
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.scene import MeshSource
 
@@ -153,14 +154,17 @@ _SURFACES = {
 }
 
 
-def no_surface(kind: str) -> str:
+def no_surface(kind: str, found: Sequence[str]) -> str:
     """A sentence, without its full stop, on a file that names no surface.
 
     Args:
         kind: Of the file, such as ``bdf``.
+        found: Names of the sides that were found instead.
     """
+    named = found[0] if len(found) == 1 else f"{found[0]} to {found[-1]}"
     return (
-        "names no surface, so that no contact, support or load can be put on one; add them to the "
+        f"names no surface; its boundary is parted where it turns by more than {ANGLE:g}°, and its "
+        f"sides are called {named} (`fenics-contact look` shows them); for others, add to the "
         f"file: {_SURFACES[kind]}"
     )
 

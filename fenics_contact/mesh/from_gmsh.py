@@ -6,7 +6,7 @@ Everything here happens on one rank, before the mesh is distributed.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import basix
@@ -26,6 +26,7 @@ from fenics_contact.mesh.cell_checks import (
 )
 from fenics_contact.mesh.file_groups import PartTags, Piece, left_out, named_groups
 from fenics_contact.mesh.readers.element_kinds import dimension_of_name
+from fenics_contact.mesh.sides_by_angle import SidesByAngle, name_of_side
 from fenics_contact.mesh.subdivision.uniform import Form, body_parts, uniform
 from fenics_contact.mesh.tagged_mesh import Group, Relation
 from fenics_contact.scene.scene import MeshSource
@@ -71,6 +72,8 @@ class MeshArrays:
         elements: By which number the file knows each cell.
         kinematics: What the file's types of elements are made for, if they say it, such as
             ``axisymmetric``, and a type that says so, such as ``CAX4``.
+        found: Sides by name, where the file names none; what lies against each other there is not
+            named by it.
         notes: Sentences, without the full stop, on what of the file is not in the model.
     """
 
@@ -88,6 +91,12 @@ class MeshArrays:
     elements: Integers
     kinematics: Mapping[str, str]
     notes: tuple[str, ...]
+    found: Mapping[str, Group] = field(default_factory=dict)
+
+    @property
+    def named(self) -> dict[str, Group]:
+        """All groups that scenes can name."""
+        return {**self.groups, **self.found}
 
 
 def build(
@@ -133,8 +142,13 @@ def build(
     places = _places(read, old_tags, points)
     lost = read.get(f"parts_{_FACETS[cell][order]}", are_sides)[~are_sides]
     outside = dict(
-        zip(*(found.tolist() for found in np.unique(lost, return_counts=True)), strict=True)
+        zip(*(several.tolist() for several in np.unique(lost, return_counts=True)), strict=True)
     )
+    by_angle = SidesByAngle(cell, order, points, cells)
+    if by_angle.are_wanted(description, facet_tags, boundary):
+        description = by_angle.description(description, facet_tags, boundary)
+        facets, facet_tags = by_angle.facets, by_angle.tags
+        boundary = {number: {number} for number in by_angle.centres}
     tags = PartTags(dimension, body, boundary, outside, places)
     groups, by_number, sides = named_groups(key, source, description, tags)
     relations = tuple(_relation(**found) for found in description.get("relations", ()))
@@ -143,6 +157,9 @@ def build(
         *(groups, by_number, relations, sides, found.numbers),
         description.get("kinematics", {}),
         (*notes, *left_out(read, description, dimension, _FACETS[cell][order], are_sides)),
+        {name_of_side(number, groups): side for number, side in sides.items()}
+        if facets is by_angle.facets
+        else {},
     )
 
 

@@ -34,7 +34,7 @@ def with_name(key: str, source: MeshSource, mesh: MeshArrays) -> MeshArrays:
     name, whole = source.name, _all_cells(mesh)
     if not name:
         return mesh
-    if mesh.groups.get(name, whole) != whole:
+    if mesh.named.get(name, whole) != whole:
         raise InputError(
             f"{key}.name = '{name}': a group of '{source.file}' has that name already; "
             "give the mesh another"
@@ -53,6 +53,7 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
     cell_shifts = _shifts([mesh.cell_tags for mesh in meshes])
     facet_shifts = _shifts([mesh.facet_tags for mesh in meshes])
     groups: dict[str, Group] = {}
+    found: dict[str, Group] = {}
     numbers: dict[str, Group] = {}
     sides: dict[str, Group] = {}
     relations: list[Relation] = []
@@ -61,6 +62,7 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
         moved = {dimension: cells, dimension - 1: facets}
         groups |= {source.name: _moved(_all_cells(mesh), moved)}
         groups |= _prefixed(source.name, mesh.groups, moved)
+        found |= _prefixed(source.name, mesh.found, moved)
         numbers |= _prefixed(source.name, mesh.numbers, moved)
         sides |= _prefixed(source.name, mesh.sides, moved)
         relations += [_named(source.name, relation) for relation in mesh.relations]
@@ -79,6 +81,7 @@ def joined(sources: Sequence[MeshSource], meshes: Sequence[MeshArrays]) -> MeshA
         np.concatenate([mesh.elements for mesh in meshes]),
         {kind: said for mesh in meshes for kind, said in mesh.kinematics.items()},
         tuple(note for mesh in meshes for note in mesh.notes),
+        found,
     )
 
 

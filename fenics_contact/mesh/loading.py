@@ -83,7 +83,7 @@ def load_body(
         cuts = bolts_of(sources, preloads)
         made = arrays or _load_all(sources, dimension, sizes, curved, cuts)
         found.append(made)
-        named = made.groups, made.numbers, made.relations, made.kinematics, made.notes
+        named = made.named, made.numbers, made.relations, made.kinematics, made.notes
         return made.cell, made.order, made.facets.shape[1], named
 
     cell, order, facet_nodes, named = on_root(comm, prepare)
@@ -198,8 +198,8 @@ def _findings(source: MeshSource, mesh: MeshArrays) -> Iterator[Finding]:
     yield from (Finding(words, False) for words in mesh.notes)
     if is_geometry(source):
         return
-    if not _surfaces(mesh):
-        yield Finding(no_surface(kind_of(source.file)), False)
+    if mesh.found:
+        yield Finding(no_surface(kind_of(source.file), list(mesh.found)), False)
     yield from Neighbours(**_of_neighbours(mesh)).findings()
 
 
@@ -227,8 +227,8 @@ def _of_neighbours(mesh: MeshArrays) -> dict[str, Any]:
 
 
 def _surfaces(mesh: MeshArrays) -> list[Group]:
-    """Groups of facets."""
-    groups = (*mesh.groups.values(), *mesh.numbers.values())
+    """Groups of facets that the file or the scene names."""
+    groups = (*mesh.groups.values(), *(() if mesh.found else mesh.numbers.values()))
     return [group for group in groups if group.dimension == mesh.points.shape[1] - 1]
 
 
@@ -250,7 +250,7 @@ def load_to_look(source: MeshSource) -> tuple[MeshArrays, dict[str, Any]]:
     dimension = max(description["dimension"], 2)
     made = mesh_arrays.build(read, description, source, dimension, "mesh")
     notes = tuple(finding.words for finding in _findings(source, made))
-    return dataclasses.replace(made, notes=notes), read
+    return dataclasses.replace(made, notes=notes, groups=made.named), read
 
 
 def _read(

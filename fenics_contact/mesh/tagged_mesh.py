@@ -315,12 +315,17 @@ class Body:
 
     def known_groups(self) -> str:
         """Names of the groups, and numbers of the geometric parts with their places."""
-        names = sorted(map(one_line, self.groups))
+        names = sorted(one_line(name) + _place(group) for name, group in self.groups.items())
+        placed = [group for group in self.groups.values() if group.centre]
         for number, group in sorted(self.numbers.items(), key=lambda item: _in_order(item[0])):
-            if group.centre and number not in self.groups:
-                place = ", ".join(f"{value:.4g}" for value in group.centre)
-                names.append(f"{number} at ({place})")
+            if group.centre and number not in self.groups and group not in placed:
+                names.append(number + _place(group))
         return ", ".join(names) or "none"
+
+
+def _place(group: Group) -> str:
+    """Where a group is, for messages, if that is known."""
+    return f" at ({', '.join(f'{value:.4g}' for value in group.centre)})" if group.centre else ""
 
 
 def _in_order(number: str) -> tuple[str, int]:

@@ -34,6 +34,8 @@ NAMES = {
     13: "Prism 18",
     14: "Pyramid 14",
 }
+#: In place of a node in the middle of an edge that a file does not give.
+NOT_GIVEN = -1
 _DIMENSIONS = {"Point": 0, "Line": 1, "Triangle": 2, "Quadrilateral": 2, "Polygon": 2}
 # Other programs list the nodes on the edges of a cell around its base, around its top, then
 # between both. These are the places of Gmsh's nodes among theirs; where none is given, both agree.

@@ -17,6 +17,7 @@ from fenics_contact.mesh.geometry.process_room import RefusedError
 from fenics_contact.mesh.readers.element_kinds import (
     CORNERS,
     NAMES,
+    NOT_GIVEN,
     SIDES,
     corner_keys,
     dimension_of,
@@ -166,17 +167,20 @@ class FoundMesh:
             if self._has(rows, self.dimension - 1):
                 found = parts.of(rows, self.dimension - 1)
                 _add(groups, name, "facets", (self.dimension - 1, found))
+        of_nodes: set[int] = set()
         for name, tags in self.node_sets.items():
             facets = self._facets_between(tags)
-            _add(groups, name, "nodes", (self.dimension - 1, parts.added(facets)))
-        return self._described(groups, parts), {
+            added = parts.added(facets)
+            of_nodes |= set(added)
+            _add(groups, name, "nodes", (self.dimension - 1, added))
+        return self._described(groups, parts, of_nodes), {
             "node_tags": self.tags,
             "points": self.points,
             **parts.arrays(),
         }
 
     def _described(
-        self, groups: Mapping[str, tuple[int, list[int]]], parts: _Parts
+        self, groups: Mapping[str, tuple[int, list[int]]], parts: _Parts, of_nodes: set[int]
     ) -> dict[str, Any]:
         return {
             "dimension": self.dimension,
@@ -184,7 +188,13 @@ class FoundMesh:
             "lists_once": True,
             "kinematics": dict(self.kinematics) if self.dimension == 2 else {},
             "groups": [
-                {"dimension": dimension, "tag": 0, "name": name, "parts": found}
+                {
+                    "dimension": dimension,
+                    "tag": 0,
+                    "name": name,
+                    "parts": found,
+                    "of_nodes": bool(of_nodes & set(found)),
+                }
                 for name, (dimension, found) in groups.items()
             ],
             "parts": [
@@ -201,8 +211,9 @@ class FoundMesh:
 
     def _facets_between(self, tags: Integers) -> dict[int, Integers]:
         """The facets of the boundary all of whose nodes have one of some numbers, by type."""
+        known = np.append(tags, NOT_GIVEN)
         found = {
-            kind: nodes[np.isin(nodes, tags).all(axis=1)] for kind, nodes in self._boundary.items()
+            kind: nodes[np.isin(nodes, known).all(axis=1)] for kind, nodes in self._boundary.items()
         }
         return {kind: nodes for kind, nodes in found.items() if len(nodes)}
 

@@ -14,7 +14,15 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.arrays import Integers
-from fenics_contact.mesh.readers.element_kinds import NAMES, SIDES, as_gmsh, dimension_of
+from fenics_contact.mesh.readers.element_kinds import (
+    CORNERS,
+    NAMES,
+    NOT_GIVEN,
+    SIDES,
+    as_gmsh,
+    dimension_of,
+    shape_of,
+)
 from fenics_contact.mesh.readers.found_mesh import FileLines, FoundMesh, Line
 
 _EXPONENT = re.compile(r"(?<=[\d.])(?=[+-]\d+$)")
@@ -100,7 +108,7 @@ class ContactSurfaces:
         """Take a surface.
 
         Args:
-            card: ``BSURFS``, whose lines that continue it may still follow.
+            card: ``BSURFS`` or ``BSURF``, whose lines that continue it may still follow.
         """
         self._cards.append(card)
 
@@ -118,11 +126,11 @@ class ContactSurfaces:
         """
         rows = {
             int(number): (kind, row)
-            for kind, of_kind in (numbers.items() if self._cards else ())
+            for kind, of_kind in (numbers.items() if self._named("BSURFS") else ())
             for row, number in enumerate(of_kind)
         }
         found: dict[str, dict[int, list[Integers]]] = {}
-        for card in self._cards:
+        for card in self._named("BSURFS"):
             sides = found.setdefault(f"BSURFS.{card.whole(0)}", {})
             for place in range(_FIRST, len(card.fields), _WIDTH):
                 if card.fields[place]:
@@ -132,6 +140,59 @@ class ContactSurfaces:
             name: {side: np.array(several) for side, several in sides.items()}
             for name, sides in found.items()
         }
+
+    def of_elements(self, numbers: Mapping[int, Integers]) -> dict[str, dict[int, Integers]]:
+        """Rows of elements by Gmsh's type, by name: BSURF, a dot and the surface's number.
+
+        Args:
+            numbers: Gmsh's type → the file's number of each.
+
+        Raises:
+            RefusedError: A card names no elements of the mesh.
+        """
+        found: dict[str, dict[int, Integers]] = {}
+        for card in self._named("BSURF"):
+            rows = {
+                kind: np.flatnonzero(
+                    np.any(
+                        [
+                            (every >= ids.start)
+                            & (every < ids.stop)
+                            & ((every - ids.start) % ids.step == 0)
+                            for ids in _listed(card)
+                        ],
+                        axis=0,
+                    )
+                )
+                for kind, every in numbers.items()
+            }
+            rows = {kind: mine for kind, mine in rows.items() if len(mine)}
+            if not rows:
+                raise card.line.error("BSURF names no elements of the mesh")
+            found[f"BSURF.{card.whole(0)}"] = rows
+        return found
+
+    def _named(self, word: str) -> list[Card]:
+        return [card for card in self._cards if card.word == word]
+
+
+def _listed(card: Card) -> list[range]:
+    """Numbers of elements behind the first field, also as FIRST THRU LAST BY STEP."""
+    words = [word.upper() for word in card.fields[1:] if word]
+    found, place = [], 0
+    while place < len(words):
+        first, last, step = words[place], words[place], "1"
+        if words[place + 1 : place + 2] == ["THRU"]:
+            last = (words[place + 2 : place + 3] or [""])[0]
+            place += 2
+            if words[place + 1 : place + 2] == ["BY"]:
+                step = (words[place + 2 : place + 3] or [""])[0]
+                place += 2
+        if not all(word.isdigit() and 0 < int(word) < _LARGEST for word in (first, last, step)):
+            raise card.line.error(f"{card.word} wants numbers of elements, also as 1 THRU 9 BY 2")
+        found.append(range(int(first), int(last) + 1, int(step)))
+        place += 1
+    return found
 
 
 def _side(
@@ -160,10 +221,10 @@ _CARDS = {
     "CPYRAM": {5: 7, 13: 19},
     "CTRIA3": {3: 2},
     "CTRIAR": {3: 2},
-    "CTRIA6": {6: 9},
+    "CTRIA6": {3: 2, 6: 9},
     "CQUAD4": {4: 3},
     "CQUADR": {4: 3},
-    "CQUAD8": {8: 16},
+    "CQUAD8": {4: 3, 8: 16},
     "CBAR": {2: 1},
     "CBEAM": {2: 1},
     "CROD": {2: 1},
@@ -171,8 +232,11 @@ _CARDS = {
 }
 # Other cards of cells and facets, which a mesh would lack.
 _UNKNOWN = re.compile(r"C(?:TR|QUAD|TET|HEX|PEN|PY|IHEX|PLST|SHEAR|IFHEX|IFPEN)\w*")
-# Nastran lists the edges between base and top of a hexahedron before those of its top.
-_HEXAHEDRON = (*range(12), *range(16, 20), *range(12, 16))
+# Nastran lists the edges between base and top before those of the top: places of its nodes.
+_ORDERS = {
+    "Hexahedron 20": (*range(12), *range(16, 20), *range(12, 16)),
+    "Prism 15": (*range(9), *range(12, 15), *range(9, 12)),
+}
 
 
 def read(job: dict[str, Any]) -> FoundMesh:
@@ -200,7 +264,7 @@ def read(job: dict[str, Any]) -> FoundMesh:
             numbers.setdefault(kind, []).append(number)
             elements.setdefault(kind, []).append(found)
             properties.setdefault(kind, []).append(card.whole(1) if card.fields[1] else number)
-        elif card.word == "BSURFS":
+        elif card.word in ("BSURF", "BSURFS"):
             contacts.take(card)
         elif _UNKNOWN.fullmatch(card.word):
             raise card.line.error(
@@ -217,7 +281,7 @@ def read(job: dict[str, Any]) -> FoundMesh:
         np.array(list(nodes.values()), dtype=np.float64),
         cells,
         numbered,
-        _sets(properties),
+        _sets(properties) | contacts.of_elements(numbered),
         contacts.of_sides(cells, numbered),
     )
 
@@ -280,14 +344,16 @@ def _nodes(card: Card) -> tuple[int, list[int]]:
     """Gmsh's type of an element, and its nodes in the order of most programs."""
     kinds = _CARDS[card.word]
     most = max(kinds)
-    given = [bool(word) for word in card.fields[2 : 2 + most]]
-    count = next((n for n in sorted(kinds) if sum(given) == n and all(given[:n])), 0)
-    if not count:
+    words = (card.fields[2 : 2 + most] + most * [""])[:most]
+    given = [word not in ("", "0") for word in words]
+    corners = CORNERS[shape_of(kinds[most])]
+    count = most if any(given[corners:]) else corners
+    if not all(given[:corners]) or count not in kinds:
         wanted = " or ".join(map(str, sorted(kinds)))
         raise card.line.error(f"{card.word} wants {wanted} nodes, but has {sum(given)}")
-    found = [card.whole(2 + place) for place in range(count)]
-    if NAMES[kinds[count]] == "Hexahedron 20":
-        found = [found[place] for place in _HEXAHEDRON]
+    found = [card.whole(2 + place) if given[place] else NOT_GIVEN for place in range(count)]
+    if NAMES[kinds[count]] in _ORDERS:
+        found = [found[place] for place in _ORDERS[NAMES[kinds[count]]]]
     return kinds[count], found
 
 

@@ -9,10 +9,7 @@ from typing import Any
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
-from fenics_contact.mesh.readers.element_kinds import NAMES, corner_keys
-
-#: In place of a node in the middle of an edge that a file does not give.
-NOT_GIVEN = -1
+from fenics_contact.mesh.readers.element_kinds import NAMES, NOT_GIVEN, corner_keys
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,12 @@ from fenics_contact.mesh.readers.element_kinds import (
     CORNERS,
     EDGES,
     FACES,
+    NOT_GIVEN,
     dimension_of,
     order_of,
     shape_of,
 )
-from fenics_contact.mesh.subdivision.elements import NOT_GIVEN, Elements, Middles, Nodes, joined
+from fenics_contact.mesh.subdivision.elements import Elements, Middles, Nodes, joined
 
 #: Gmsh's types of each shape by order; those of order 2 are complete.
 KIND_OF = {

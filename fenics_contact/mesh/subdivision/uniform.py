@@ -18,13 +18,13 @@ from fenics_contact.mesh.readers.element_kinds import (
     CORNERS,
     EDGES,
     NAMES,
+    NOT_GIVEN,
     dimension_of,
     dimension_of_name,
     order_of,
     shape_of,
 )
 from fenics_contact.mesh.subdivision.elements import (
-    NOT_GIVEN,
     Elements,
     Middles,
     Nodes,
