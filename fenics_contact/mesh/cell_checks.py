@@ -207,7 +207,8 @@ def check_points(where: str, points: Array, dimension: int) -> None:
     if dimension == 2 and height > _FLAT * size:
         raise InputError(
             f"{where}: is not in the plane z = 0 (|z| is up to {height:g}), "
-            "as a two-dimensional model needs"
+            "as a two-dimensional model needs; turn a section into it; shells are not solved: mesh "
+            "their bodies by solids"
         )
 
 

@@ -233,8 +233,10 @@ def outer_sides(
         dimension: Of the cells; elements of others have no say.
     """
     every, mine = (_sides(of, dimension) for of in (elements, chosen))
+    none = np.zeros(0, dtype=np.uint64)  # trusses alone have no sides
     keys, counts = np.unique(
-        np.concatenate([_keys(side, nodes) for side, nodes in every.items()]), return_counts=True
+        np.concatenate([none, *(_keys(side, nodes) for side, nodes in every.items())]),
+        return_counts=True,
     )
     outer = keys[counts == 1]
     return {side: nodes[np.isin(_keys(side, nodes), outer)] for side, nodes in mine.items()}

@@ -296,7 +296,9 @@ def _bulk(lines: FileLines) -> Iterator[Line]:
             return
         yield line
     if begins:
-        raise lines.error("ends before ENDDATA: is the file truncated?")
+        raise lines.error(
+            "ends before ENDDATA; if it is not truncated, add ENDDATA as its last line"
+        )
 
 
 def _statements(lines: FileLines, found: Iterator[Line]) -> Iterator[Line]:

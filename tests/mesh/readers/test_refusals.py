@@ -284,3 +284,9 @@ def test_damaged_files(folder, number):
     else:
         assert np.isfinite(body.mesh.geometry.x).all()
     assert time.perf_counter() - start < SECONDS
+
+
+def test_trusses_alone_are_no_body(folder):
+    text = "*NODE, NSET=Nall\n1, 0, 0\n2, 1, 0\n*ELEMENT, TYPE=T3D2\n1, 1, 2\n"
+    with refused("trusses_alone"):
+        load_body(write(folder, text, "t.inp"), 3, COMM)
