@@ -114,7 +114,7 @@ def test_mixed_cells(folder, kinds, order):
         assert per_box <= max(share[kinds[column % len(kinds)]])
     (note,) = body.notes
     if order == 1 and kinds in (SOLIDS, FLAT):
-        says(f"subdivided_{'flat' if flat else 'solid'}", note)
+        says("subdivided_flat", note) if flat else says("subdivided_solid", note)
 
 
 def test_faces_that_are_not_plane_are_told(folder):
