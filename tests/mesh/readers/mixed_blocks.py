@@ -60,12 +60,12 @@ class MixedBlock:
         counts: Corners of each cell.
     """
 
-    def __init__(self, kinds, order=1, moved=lambda x: x, seed=0, orders=None):
-        """``orders``: of single columns, by number."""
+    def __init__(self, kinds, order=1, moved=lambda x: x, seed=0, orders=None, along=4):
+        """``orders``: of single columns, by number; ``along``: how many boxes along x."""
         is_flat = kinds[0] in ("quadrilaterals", "triangles")
         self._numbers, self.cells, self.boxes, self.counts = {}, [], [], []
-        counts = (4, 2, 1 if is_flat else 2)
-        size = np.array([0.5, 0.5, 0.5])
+        counts = (along, 2, 1 if is_flat else 2)
+        size = np.array([2 / along, 0.5, 0.5])
         for box in np.ndindex(*counts):
             column = 2 * box[0] + box[1]
             corners = (BOX + box) * size
