@@ -68,6 +68,11 @@ class ContactForces:
             return across.force() + weight * along.force()
         return self._at_nodes(across.at_points() + weight * along.at_points())
 
+    def none(self) -> Array:
+        """Forces of a contact that touches nowhere, (nodes, components)."""
+        surface = self._trace.surface
+        return np.zeros((len(self._trace.all_nodes), surface.components))
+
     def given(self) -> list[tuple[Array, Callable[[float], float]]]:
         """Nodal forces that are given, in full, with the share that acts at a pseudo-time.
 

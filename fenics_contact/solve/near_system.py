@@ -55,6 +55,14 @@ class NearSystem(CondensedSystem):
         known = problem.discrete, problem.constrained, acting_sides(problem)
         return CondensedBody(*known, self._timings, near=self.near)
 
+    def _take_body(self, body: CondensedBody) -> None:
+        """Set up all that follows from a condensed body; collective."""
+        contacts = enumerate(self.problem.contacts)
+        acting = (number for number, contact in contacts if contact.forces.terms)
+        pairs = zip(acting, self.near, strict=True)
+        self.idle = frozenset(n for n, near in pairs if near is not None and near.is_empty)
+        super()._take_body(body)
+
     @property
     def _acting(self) -> list[ContactSurface]:
         """The contacts that exert forces, in the order of ``near``."""

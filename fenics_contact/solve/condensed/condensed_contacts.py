@@ -97,6 +97,11 @@ class ContactJump:
     def _scalars(self) -> slice:
         return slice(self.count, self.count + self.work.shape[1])
 
+    @cached_property
+    def is_coupled(self) -> bool:
+        """Whether any unknown moves it, or takes its forces."""
+        return bool(len(self.rows)) or bool(self.motion.any() or self.work.any())
+
     def displacement(self, unknowns: Array) -> Array:
         """Relative to a body opposite at its dofs, (rows,), without what is held."""
         found = self.relative @ unknowns[self._scalars]
@@ -343,7 +348,7 @@ class CondensedContacts:
         """
         found = []
         for jump, force in zip(self.jumps, forces, strict=True):
-            if jump is None:
+            if jump is None or not jump.is_coupled:
                 continue
             owned = jump.surface.contact.trace.surface.owned_nodes
             parts = gathered_on_root(self._problem.comm, force[:owned].reshape(-1))
@@ -361,7 +366,7 @@ class CondensedContacts:
         """
         none = np.zeros(0, dtype=np.int64)
         found: list[Entries] = [(none, none, np.zeros(0))]
-        for jump in (jump for jump in self.jumps if jump is not None):
+        for jump in (jump for jump in self.jumps if jump is not None and jump.is_coupled):
             jump.surface.contact.follow()
             parts = gathered_on_root(self._problem.comm, jump.surface.entries())
             found += [jump.tangent(part) for part in parts or ()]

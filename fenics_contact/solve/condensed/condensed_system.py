@@ -278,7 +278,8 @@ class CondensedSystem(System):
     def take(self, state: PETSc.Vec) -> None:
         """A vector of unknowns into the jumps; collective."""
         values = self._values(state)
-        moved = self._contacts.displacements(values, self._held_parts)
+        found = self._contacts.displacements(values, self._held_parts)
+        moved = [None if n in self.idle else one for n, one in enumerate(found)]
         self.move_contacts(moved, self._scalars_of(values))
 
     def balance(self, state: PETSc.Vec, residual: PETSc.Vec) -> None:

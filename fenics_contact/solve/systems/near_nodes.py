@@ -38,6 +38,11 @@ class NearNodes:
     slaves: Flags
     masters: Flags
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether no node can touch."""
+        return not self.slaves.any()
+
     def joined(self, other: NearNodes) -> NearNodes:
         """The nodes of either."""
         return NearNodes(self.slaves | other.slaves, self.masters | other.masters)

@@ -50,6 +50,7 @@ class System(ABC):
         earlier_forces: Largest of ``present_forces`` in the load steps that are done (force).
         scalar_forces: Forces of the body that do work on its scalars, at the last residual,
             (body_scalars,), on every rank (force).
+        idle: Numbers of contacts of which no point can touch at present: a solve passes them over.
     """
 
     name: ClassVar[str]
@@ -63,6 +64,7 @@ class System(ABC):
     residual: PETSc.Vec
     tangent: PETSc.Mat
     factorisations: int
+    idle: frozenset[int] = frozenset()
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
@@ -256,7 +258,10 @@ class System(ABC):
 
     def all_contact_forces(self) -> list[Array]:
         """Forces on the body at the nodes of each surface; remembers their 1-norm; collective."""
-        found = [contact.forces.all() for contact in self.problem.contacts]
+        found = [
+            contact.forces.none() if number in self.idle else contact.forces.all()
+            for number, contact in enumerate(self.problem.contacts)
+        ]
         own = sum(
             np.abs(force[: contact.trace.surface.owned_nodes]).sum()
             for contact, force in zip(self.problem.contacts, found, strict=True)

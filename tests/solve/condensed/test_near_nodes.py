@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Steps, Support
 from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.contact.contact_forces import ContactForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.simulation.description import words_on_contact_dofs
 from fenics_contact.solve.condensed import elimination
@@ -156,6 +157,23 @@ def test_a_contact_that_stays_open_has_no_contact_dofs(of_few):
     made, result = solved(scene, body, "condensed")
     assert made.solution.factorisations == 1
     assert result.quantities["normal_force"] == 0
+
+
+@pytest.mark.parametrize(("pressure", "closes"), [(0.001, False), (1.0, True)])
+def test_a_contact_that_cannot_touch_is_passed_over(of_few, monkeypatch, pressure, closes):
+    """Until it closes: its forces are asked for then, and the answer is that of all nodes."""
+    scene, body = beams(pressure=pressure)
+    asked, idle = [], []
+    every, balance = ContactForces.all, NearSystem.balance
+    monkeypatch.setattr(ContactForces, "all", lambda own: asked.append(1) or every(own))
+    monkeypatch.setattr(
+        NearSystem, "balance", lambda own, *of: idle.append(own.idle) or balance(own, *of)
+    )
+    solved(scene, body, "condensed")
+    assert idle[0] == frozenset({0})
+    assert (idle[-1] == frozenset()) == closes
+    assert len(asked) == idle.count(frozenset())
+    require_same(scene, body)
 
 
 def test_check_says_what_each_contact_makes_of_the_contact_dofs(of_few):
