@@ -29,6 +29,8 @@ _LOOSE = 1e-2
 # most; and its steps at the most.
 LEFT, LEFT_AT_MOST = 1e-8, 1e-4
 _MOST_STEPS = 60
+# Directions whose stiffness is worked out together.
+_ROWS = 64
 # Solves, each of what the ones before have left, that end in round-off.
 _REFINED = 3
 
@@ -56,6 +58,7 @@ class SplitSolver:
         basis, stiff = self._nodes.split(added[:count, :count])
         others = identity(constant.width - count, format="csr")
         self._added, self._acting, self._transposed = added, added, None
+        self._of_displacements = csr_matrix(added[:, :count])
         self._stiff_basis = csr_matrix(basis[:, stiff])
         self._soft_basis = csr_matrix(basis[:, ~stiff])
         self._soft_directions = csr_matrix(block_diag([self._soft_basis, others]))
@@ -98,7 +101,7 @@ class SplitSolver:
     def factorise(self) -> bool:
         """Make both factors; False where one is singular, or nothing is stiff."""
         count = self._constant.count
-        with_stiff = csr_matrix(self._added[:, :count] @ self._stiff_basis)
+        with_stiff = csr_matrix(self._of_displacements @ self._stiff_basis)
         from_soft = csr_matrix(self._added @ self._soft_directions)
         stiff = csc_matrix(self._stiff_basis.T @ with_stiff[:count]) + diags(self._springs)
         if stiff.shape[0] == 0:
@@ -124,7 +127,11 @@ class SplitSolver:
         precision = np.float32 if self._is_single else np.float64
         found = np.zeros((self.soft, self.soft), dtype=precision, order="F")
         rows = csr_matrix(basis.T)
-        found[:soft, :soft] = rows @ np.ascontiguousarray((rows @ constant.schur).T)
+        onto = rows.astype(precision)
+        for first in range(0, soft, _ROWS):  # so few at a time that they stay near the processor
+            part = slice(first, min(first + _ROWS, soft))
+            half = (rows[part] @ constant.schur).T.astype(precision, order="C")
+            found[:soft, part] = onto @ half
         found[:soft, soft : soft + scalars] = basis.T @ constant.columns
         found[soft : soft + scalars, :soft] = constant.rows @ basis
         places = range(soft, soft + scalars)
@@ -205,7 +212,7 @@ class SplitSolver:
         left = np.zeros(constant.width)
         left[: constant.size] = given
         left[count : constant.size] -= constant.rows @ moved
-        left -= self._added[:, :count] @ moved
+        left -= self._of_displacements @ moved
         soft = self._solve_soft(
             np.concatenate([self._soft_directions.T @ left, -constant.derived @ moved])
         )
