@@ -146,9 +146,14 @@ class SnesSolve:
         accepted = len(self.imbalances) > self._before and self.imbalances[-1] <= self.limit
         if reason < 0 or not accepted:
             self.budget.require_left()
-            own, forces = self.imbalances[self._before :], self.system.forces
-            words = not_converged(self.problem, own, forces, reason, self._chatter)
-            raise NotConvergedError(words, tuple(self.imbalances))
+            raise NotConvergedError(self._words(reason), tuple(self.imbalances))
+
+    def _words(self, reason: int) -> str:
+        """How the last solve failed; of a few steps on the way, which nobody reads, no more."""
+        if self._most is not None:
+            return f"on the way after {self._most} Newton steps"
+        own, forces = self.imbalances[self._before :], self.system.forces
+        return not_converged(self.problem, own, forces, reason, self._chatter)
 
     def _solve_once(self) -> tuple[int, FenicsContactError | None]:
         """PETSc's reason to stop, and how a factorisation failed, or None; collective."""

@@ -21,9 +21,10 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.scene.settings import SolverSettings
-from fenics_contact.solve import strategies
+from fenics_contact.solve import snes_solve, strategies
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.load_steps import step_tries
+from fenics_contact.solve.snes_solve import SnesSolve
 from fenics_contact.verification.boxes import Box, boxes
 
 COMM = MPI.COMM_WORLD
@@ -118,6 +119,19 @@ def test_it_takes_few_newton_steps():
     first, second = (step.newton_iterations for step in prepared.steps)
     assert first <= 25
     assert second <= 12
+
+
+def test_steps_on_the_way_are_not_put_into_words(monkeypatch):
+    """What a few steps on the way end in is asked of nobody; what a solve ends in is."""
+    words, on_the_way = [], []
+    usual = SnesSolve._words
+    monkeypatch.setattr(snes_solve, "not_converged", lambda *of: words.append(of) or "")
+    monkeypatch.setattr(
+        SnesSolve, "_words", lambda own, reason: on_the_way.append(own._most) or usual(own, reason)
+    )
+    assert clamp().solve().converged
+    assert any(most is not None for most in on_the_way)
+    assert len(words) == on_the_way.count(None)
 
 
 @functools.cache
