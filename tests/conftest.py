@@ -20,8 +20,9 @@ from matplotlib.figure import Figure
 
 from fenics_contact.mesh import loading
 from fenics_contact.report.drawing import style
-from fenics_contact.simulation import step_driver  # loads FEniCSx in the right order
+from fenics_contact.simulation import end_of_run, step_driver  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
+from fenics_contact.trust.exact_bias import Bias
 from tests import compiled_headers, messages
 from tests.scenes import ROOT
 
@@ -178,6 +179,7 @@ def pytest_runtest_teardown(item, nextitem):
 
 def _without_errors(patch):
     patch.setattr(step_driver, "error_budget", lambda *history: ErrorBudget())
+    patch.setattr(end_of_run, "exact_bias", lambda load_steps: Bias())
 
 
 @pytest.fixture(scope="module", autouse=True)
