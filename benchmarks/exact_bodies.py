@@ -31,8 +31,9 @@ from fenics_contact.verification.memory_worker import body_of, scene_of
 from tests.solve.exact.problems import half_plane, half_space, pressed
 
 DEMOS = Path(__file__).resolve().parent.parent / "demos"
-# Demos with rigid obstacles, contact at nodes and Coulomb's law.
-OF_DEMOS = ("annulus", "cattaneo", "fretting", "sphere")
+# Demos with rigid obstacles, contact at nodes, Coulomb's law, and supports that hold their bodies:
+# W of others has rigid motions in it, which leave few digits of anything else.
+OF_DEMOS = ("annulus", "cattaneo", "sphere")
 BLOCKS: dict[str, BlockCase] = {
     "square of Q2": square(43),
     "block of P1 tets": slab("P1 tets", 16),

@@ -21,8 +21,8 @@ from exact_format import write_problem
 from fenics_contact.solve.exact import solve
 
 
-def export(folder: Path, number: int, seed: int, quick: bool) -> int:
-    """Write problems; how many have no answer.
+def export(folder: Path, number: int, seed: int, quick: bool) -> tuple[int, int]:
+    """Write problems; their number, and how many of them have no answer.
 
     Args:
         folder: Where to.
@@ -31,8 +31,8 @@ def export(folder: Path, number: int, seed: int, quick: bool) -> int:
         quick: Only bodies that need no elements.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    failed = 0
-    for count, case in enumerate(cases(number, seed, quick)):
+    failed = count = 0
+    for count, case in enumerate(cases(number, seed, quick), 1):
         answer = solve(case.problem)
         failed += not answer.converged
         name = case.family.replace(",", "").replace(" ", "-")
@@ -42,7 +42,7 @@ def export(folder: Path, number: int, seed: int, quick: bool) -> int:
             f"coefficient of friction {problem.laws.coefficient.max():.4g}, seed {seed}"
         )
         write_problem(folder / f"{name}-{count:05d}.hdf5", answer, case.family, described)
-    return failed
+    return count, failed
 
 
 def main() -> int:
@@ -53,8 +53,8 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, metavar="N")
     parser.add_argument("--quick", action="store_true", help="only bodies without elements")
     given = parser.parse_args()
-    failed = export(given.folder, given.number, given.seed, given.quick)
-    print(f"{given.number} problems in {given.folder}, {failed} without an answer")
+    count, failed = export(given.folder, given.number, given.seed, given.quick)
+    print(f"{count} problems in {given.folder}, {failed} without an answer")
     return int(failed > 0)
 
 

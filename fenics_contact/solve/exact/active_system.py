@@ -61,26 +61,44 @@ class ActiveSystem:
 
 def friction_rows(equations: NaturalMap, state: PointState) -> FrictionRows:
     """Linearise friction where points slip, and where they stick with an elastic slip."""
-    slips = state.closed & equations.rubs & ~state.sticks
-    numbers = np.flatnonzero(slips | (state.sticks & (equations.elastic > 0)))
-    bound, given = state.bound[numbers], equations.given[numbers]
-    slope = np.where(given, 0.0, state.slope[numbers])
-    along, force = state.along[numbers], state.force[numbers]
-    slipping = slips[numbers]
-    length = np.where(slipping, state.length[numbers], 1.0)
-    direction = along / length[:, None]
-    limit = np.where(slipping, 1.0, bound + equations.elastic[numbers])
-    share = np.where(slipping, bound / length, bound / limit)
-    size = along.shape[1]
-    turning = np.broadcast_to(np.eye(size), (len(numbers), size, size)).copy()
-    turning -= slipping[:, None, None] * direction[:, :, None] * direction[:, None, :]
-    turning *= share[:, None, None]
-    # Of a point that sticks elastically, g/(g + ε) z_t grows with g by ε/(g + ε)² z_t.
-    growth = np.where(slipping, 1.0, equations.elastic[numbers] / limit**2)
-    by_force = (growth * slope)[:, None] * direction
-    right = -by_force * force[:, None]
-    right += (slipping * bound)[:, None] * direction
-    return FrictionRows(numbers, turning, by_force, right)
+    rubs = state.closed & equations.rubs
+    slipping = _slipping_rows(equations, state, np.flatnonzero(rubs & ~state.sticks))
+    if not equations.has_elastic_slip:
+        return slipping
+    numbers = np.flatnonzero(rubs & state.sticks & (equations.elastic > 0))
+    elastic = _elastic_rows(equations, state, numbers)
+    parts = zip(vars(slipping).values(), vars(elastic).values(), strict=True)
+    return FrictionRows(*(np.concatenate(pair) for pair in parts))
+
+
+def _slipping_rows(equations: NaturalMap, state: PointState, numbers: Integers) -> FrictionRows:
+    """r_t = g z_t/|z_t|."""
+    bound, length = state.bound[numbers], state.length[numbers, None]
+    direction = state.along[numbers] / length
+    size = direction.shape[1]
+    turning = np.zeros((len(numbers), size, size))
+    if size > 1:  # in the plane a direction does not turn
+        turning -= direction[:, :, None] * direction[:, None, :]
+        turning += np.eye(size)
+        turning *= (bound[:, None] / length)[:, :, None]
+    slope = _slopes(equations, state, numbers)
+    right = (bound - slope * state.force[numbers])[:, None] * direction
+    return FrictionRows(numbers, turning, slope[:, None] * direction, right)
+
+
+def _elastic_rows(equations: NaturalMap, state: PointState, numbers: Integers) -> FrictionRows:
+    """r_t = g/(g + ε) z_t, which grows with g by ε/(g + ε)² z_t."""
+    elastic, along = equations.elastic[numbers], state.along[numbers]
+    limit = state.bound[numbers] + elastic
+    share = state.bound[numbers] / limit
+    by_force = (elastic / limit**2 * _slopes(equations, state, numbers))[:, None] * along
+    turning = share[:, None, None] * np.eye(along.shape[1])
+    return FrictionRows(numbers, turning, by_force, -by_force * state.force[numbers, None])
+
+
+def _slopes(equations: NaturalMap, state: PointState, numbers: Integers) -> Array:
+    """Slopes of bounds in forces that are unknown."""
+    return np.where(equations.given[numbers], 0.0, state.slope[numbers])
 
 
 def adhesive_rows(equations: NaturalMap) -> FrictionRows:

@@ -69,6 +69,7 @@ class NaturalMap:
         count: Number of rows of points.
         active: Rows whose force is unknown where the point touches, (points, dimension).
         elastic: ε, (points,).
+        has_elastic_slip: Whether any ε is larger than 0.
         unilateral: Points that may open, (points,).
         rubs: Points with a bound of friction, (points,).
         bonded: Points that do not slip while they touch, (points,).
@@ -94,6 +95,7 @@ class NaturalMap:
             across = self.compliance[:, : self.count : self.dimension]
             self.free = self.free + across @ self.given_force
         self.elastic = laws.elastic * self._size
+        self.has_elastic_slip = bool(self.elastic.any())
         self.active = np.empty((self.points, self.dimension), dtype=bool)
         self.active[:, 0] = ~laws.given
         self.active[:, 1:] = (self.rubs | self.bonded)[:, None]
