@@ -6,6 +6,7 @@ A module of cases ends with tuples of them; the one below lists them all.
 from fenics_contact.verification.calculix.beams import CALCULIX_BEAM_CASES
 from fenics_contact.verification.calculix.rings import CALCULIX_RING_CASES
 from fenics_contact.verification.case import Case, Finding, Outcome
+from fenics_contact.verification.exact import EXACT_CASES
 from fenics_contact.verification.memory_check import MEMORY_CASES
 from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
 from fenics_contact.verification.published.cycle import CYCLE_CASES, WEAR_CASES, WEAR_LIMIT_CASES
@@ -64,6 +65,7 @@ CASES: tuple[Case, ...] = (
     *ROTOR_CASES,
     *TEMPERATURE_CASES,
     *HEAT_CASES,
+    *EXACT_CASES,
     *WEAR_CASES,
     *WEAR_LIMIT_CASES,
     *FRETTING_CASES,

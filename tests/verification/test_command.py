@@ -271,6 +271,7 @@ def test_fits_and_joints(name):
         pytest.param("temperature", marks=pytest.mark.errors),
         "temperature_joint",
         "heat",
+        "exact",
     ],
 )
 def test_two_bodies(name):
