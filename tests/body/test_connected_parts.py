@@ -434,7 +434,8 @@ $EndElements
 def test_a_mesh_without_any_facets_beside_one_with(folder):
     bare = MeshSource(write(folder, "bare.msh", BARE), name="bare")
     body = load_body((bare, box(folder, "box", 0)), 3, COMM)
-    assert set(body.groups) == {"bare", "bare.1", "box", "box.body", *BOX_SIDES}
+    found = {f"bare.side_{number}" for number in range(1, 5)}  # of the tetrahedron, by angle
+    assert set(body.groups) == {"bare", "bare.1", "box", "box.body", *BOX_SIDES, *found}
     assert parts_of(body, 3)[0].names == ("bare", "box")
     facets = body.entities(body.boundary("box.top", "on"))
     assert (compute_midpoints(body.mesh, 2, facets)[:, 2] == 0.5).all()
