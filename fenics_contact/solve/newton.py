@@ -31,6 +31,9 @@ logger = logging.getLogger(__name__)
 
 # How often an exact answer is found, each time from the last, until forces are in balance.
 _REFINED = 2
+# Forces at the points go through the inverse twice, from them to gaps and back to displacements:
+# what round-off leaves of the balance, over what it leaves of one solve; and over the forces.
+_LOST, _MOST_LOST = 20.0, 1e-6
 
 
 class Newton(SnesSolve):
@@ -187,15 +190,15 @@ class Newton(SnesSolve):
                 self.steps += answer.steps
                 system.balance(system.state, system.residual)
                 self.imbalances.append(system.imbalance())
-                self.limit = max(
-                    self.problem.scene.solver.tolerance * system.forces, system.round_off()
-                )
+                lost = min(_LOST * system.round_off(), _MOST_LOST * system.forces)
+                self.limit = max(self.problem.scene.solver.tolerance * system.forces, lost)
                 if self.imbalances[-1] <= self.limit:
                     break
         if not answer.converged or self.imbalances[-1] > self.limit:
             raise NotConvergedError(
                 "contact and friction without penalty and smoothing: what is left of their laws is "
-                f"{answer.residual:.1e} of the forces after {self.steps} steps",
+                f"{answer.residual:.1e} of the forces after {self.steps} steps, and the force "
+                f"imbalance {self.imbalances[-1]:.1e} of {system.forces:.3g}",
                 tuple(self.imbalances),
             )
         return self.solution(0, answer.way)

@@ -89,6 +89,7 @@ def exact_bias(load_steps: LoadSteps) -> Bias:
     before = measure(last.solution)
     try:
         load_steps.go_back()
+        exact.begin_at(last.solution.states)
         answer = exact.solve()
         if not answer.converged:
             return _unknown(before, len(problem.contacts), _NO_ANSWER)

@@ -250,6 +250,9 @@ def dissipation(contacts: list[ComparedFriction]) -> Check | None:
         # Open points move far, and carry nothing: beside their slip all others are short. Only
         # where neighbours' pressures give them a bound they carry friction, too.
         carries = (compared.status != OPEN) | (compared.bound > 0)
+        if compared.contact.regularisation_parameter == 0:  # what sticks slips by round-off
+            moved = largest(compared.comm, np.abs(compared.displacement))
+            carries &= np.linalg.norm(compared.slip, axis=1) > _NO_SLIP * moved
         slip = np.where(carries[:, None], compared.slip, 0.0)
         power = np.einsum("ij,ij->i", compared.bulk, slip)
         longest = largest(compared.comm, np.linalg.norm(slip, axis=1)) or 1.0

@@ -109,7 +109,9 @@ class CondensedSystem(System):
 
     @property
     def dense_tangent(self) -> ContactTangent | None:
-        """The tangent, on rank 0; None on others."""
+        """The tangent on rank 0, with scalars held as they are now; None on others."""
+        if self._dense is not None:
+            self._dense.border.hold(self._contacts.is_held)
         return self._dense
 
     @property

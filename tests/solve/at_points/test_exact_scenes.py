@@ -8,6 +8,7 @@ from dolfinx.mesh import CellType
 
 from fenics_contact import (
     Contact,
+    Coupling,
     DerivativeRequest,
     Discretisation,
     Load,
@@ -167,3 +168,26 @@ def test_laws_that_it_does_not_cover_are_refused() -> None:
     scene = errors_off(bar(**contact), strategy="exact")
     with refused("a_law_that_is_not_solved_exactly"):
         run(scene, body=box_body((2, 2), (1, LENGTH)))
+
+
+def test_given_motions_of_a_coupling_hold() -> None:
+    """A bar whose end is moved by a rigid coupling onto an obstacle: p = E (d − gap)/L."""
+    moved = Coupling("y1", displacement={"x": 0, "y": -DEPTH}, rotation={"z": 0}, name="head")
+    scene = dataclasses.replace(
+        bar(obstacle=Obstacle(gap=lambda x: 0.002 + 0 * x[0])), support=(), coupling=(moved,)
+    )
+    found = run(errors_off(scene), body=box_body((2, 2), (1, LENGTH)))
+    assert found.passed
+    assert found.couplings[0].displacement == [0, -DEPTH]
+    pressure = MODULUS * (DEPTH - 0.002) / LENGTH
+    assert found.quantities["max_contact_pressure"] == pytest.approx(pressure, rel=1e-11)
+    assert found.couplings[0].force[1] == pytest.approx(-pressure, rel=1e-11)
+
+
+def test_where_everything_sticks_no_work_is_done() -> None:
+    """Slips are round-off there, and their direction says nothing."""
+    scene = block(coefficient=2.0)
+    found = run(errors_off(scene, strategy="exact"), body=box_body((4, 4), (1, 1)))
+    assert found.passed
+    assert found.checks["dissipation"].value <= found.checks["dissipation"].limit
+    assert found.quantities["friction_work"] == pytest.approx(0, abs=1e-12)
