@@ -21,7 +21,7 @@ from fenics_contact.results.result import Check
 from fenics_contact.trust.comparison import TRACE, Place, nearer_to_failing, worst_of
 
 # Of the largest displacement: a slip that is round-off.
-_NO_SLIP = 1e-11
+_NO_SLIP = 1e-9
 # Of the tolerance of the loop, which ends when the last pass changes pressures by less.
 _LOOP_SAFETY = 10.0
 

@@ -108,14 +108,23 @@ class OnePoint:
         """Forces at a slip per force."""
         inner, slips = turned
         if len(slips) == 1:
-            along = [-slips[0] / (inner[0][0] + alpha)]
+            along = [_pushed(slips[0], inner[0][0] + alpha)]
         else:
             (a, b), (c, d) = inner
             a, d = a + alpha, d + alpha
             found = a * d - b * c
-            along = [(b * slips[1] - d * slips[0]) / found, (c * slips[0] - a * slips[1]) / found]
+            if found == 0:  # a support holds the point along one of the rows, or both
+                along = [_pushed(slips[0], a), _pushed(slips[1], d)]
+            else:
+                pushed = b * slips[1] - d * slips[0], c * slips[0] - a * slips[1]
+                along = [one / found for one in pushed]
         if self.given is not None:
             return [0.0, *along]
         row = self.compliance[0]
         pull = sum(row[i + 1] * force for i, force in enumerate(along))
         return [-(free[0] + pull) / row[0], *along]
+
+
+def _pushed(slip: float, compliance: float) -> float:
+    """Force against a slip; none where nothing can move."""
+    return -slip / compliance if compliance else 0.0
