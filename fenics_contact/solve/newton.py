@@ -62,7 +62,8 @@ class Newton(SnesSolve):
         self.softened = self._is_held = False
         self.begin = Beginning(problem, system, timings)
         self.exact: ExactSolver | None = None
-        if problem.scene.is_exact and isinstance(system, CondensedSystem):
+        acts = any(contact.forces.terms for contact in problem.contacts)
+        if acts and problem.scene.is_exact and isinstance(system, CondensedSystem):
             self.exact = ExactSolver(problem, system)
 
     def run(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import LinAlgError
 
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import from_root
@@ -18,6 +20,8 @@ from fenics_contact.solve.at_points.point_operator import PointOperator
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.exact.local_problem import LocalProblem
 from fenics_contact.solve.exact.solver import solve
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +143,20 @@ class ExactSolver:
         operator.move(answer.rows)
 
 
+def _none(problem: LocalProblem) -> ExactForces:
+    """No answer, and no state that is worth to be kept."""
+    nowhere = np.zeros(problem.points, dtype=bool)
+    nothing = np.zeros(len(problem.free))
+    return ExactForces(nothing, nowhere, nowhere, 0, converged=False, residual=np.inf, way="")
+
+
 def _solved(problem: LocalProblem, start: Array | None) -> ExactForces:
-    answer = solve(problem, start)
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            answer = solve(problem, start)
+    except (ArithmeticError, ValueError, LinAlgError) as error:  # numbers that are none
+        logger.debug("exact solve: %s", error)
+        return _none(problem)
     return ExactForces(
         rows=answer.forces,
         closed=answer.statuses != OPEN,

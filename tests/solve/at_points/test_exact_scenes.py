@@ -19,6 +19,7 @@ from fenics_contact import (
     Support,
     run,
 )
+from fenics_contact.solve.at_points import exact_step
 from fenics_contact.verification.boxes import Box, boxes
 from tests.messages import refused
 from tests.scenes import box_body, with_solver
@@ -191,3 +192,15 @@ def test_where_everything_sticks_no_work_is_done() -> None:
     assert found.passed
     assert found.checks["dissipation"].value <= found.checks["dissipation"].limit
     assert found.quantities["friction_work"] == pytest.approx(0, abs=1e-12)
+
+
+def test_a_solver_that_breaks_down_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rank 0 solves alone: what it raises would end the others."""
+
+    def broken(*given: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(exact_step, "solve", broken)
+    found = run(errors_off(bar()), body=box_body((2, 2), (1, LENGTH)))
+    assert found.exit_code == 3
+    assert "what is left of their laws" in found.verdict
