@@ -56,6 +56,7 @@ class ComparedFriction:
             friction feels it: |M M u_T|.
         slip: That the friction law counts (length).
         displacement: Of the nodes (length).
+        moved: Largest displacement of all bodies (length).
         status: OPEN, STICK or SLIP.
         places: Undeformed coordinates, (nodes, 3) (length).
         area: That each stands for.
@@ -76,6 +77,7 @@ class ComparedFriction:
     crept: Array
     slip: Array
     displacement: Array
+    moved: float
     status: Words
     places: Array
     area: Array
@@ -112,8 +114,8 @@ def compared_friction(forces: InternalForces) -> list[ComparedFriction]:
         given = solution.friction_force[number] / unit[:, None]
         law = free * contact.kinematics.tangential(given)
         since = contact.friction.effective_slip(solution.states[number].slip)
+        moved = largest(problem.comm, np.abs(forces.displacement))
         if contact.regularisation_parameter == 0 and trace.nodal:
-            moved = largest(problem.comm, np.abs(forces.displacement))
             law = free * _without_smoothing(contact, since, moved, bulk, strongest)
         slip = free * since[: len(contact.nodes)]
         metric = contact.friction.rule.metric
@@ -129,6 +131,7 @@ def compared_friction(forces: InternalForces) -> list[ComparedFriction]:
                 crept=np.linalg.norm(free * pulled, axis=1)[counted],
                 slip=slip[counted],
                 displacement=forces.displacement[contact.nodes][counted],
+                moved=moved,
                 status=solution.states[number].status[: len(contact.nodes)][counted],
                 places=trace.coordinates[: len(contact.nodes)][counted],
                 area=area[counted],
@@ -251,8 +254,7 @@ def dissipation(contacts: list[ComparedFriction]) -> Check | None:
         # where neighbours' pressures give them a bound they carry friction, too.
         carries = (compared.status != OPEN) | (compared.bound > 0)
         if compared.contact.regularisation_parameter == 0:  # what sticks slips by round-off
-            moved = largest(compared.comm, np.abs(compared.displacement))
-            carries &= np.linalg.norm(compared.slip, axis=1) > _NO_SLIP * moved
+            carries &= np.linalg.norm(compared.slip, axis=1) > _NO_SLIP * compared.moved
         slip = np.where(carries[:, None], compared.slip, 0.0)
         power = np.einsum("ij,ij->i", compared.bulk, slip)
         longest = largest(compared.comm, np.linalg.norm(slip, axis=1)) or 1.0
