@@ -196,7 +196,11 @@ def test_msh_of_another_program_keeps_its_groups_apart(folder):
         ("4 2 2 7 1 1 3 14", "4 2 2 7 1 1 3 3", "the same node twice"),
         ("14 0 1 0", "14 0 nan 0", "not finite|Gmsh says|coordinates"),
         ("14 0 1 0", "14 0 1 0.3", "not in the plane z = 0"),
-        ("4 2 2 7 1 1 3 14", "4 3 2 7 1 1 2 3 14", "mixes cells|does not define|Gmsh says"),
+        (
+            "4 2 2 7 1 1 3 14",
+            "4 3 2 7 1 1 2 3 14",
+            "the same corners|mixes cells|does not define|Gmsh says",
+        ),
         ("4 2 2 7 1 1 3 14", "4 2 2 7 1 1 3 77", "Gmsh|does not define"),
         ("4 2 2 7 1 1 3 14", "4 4 2 7 1 1 2 3 14", "is 3-dimensional"),
         (

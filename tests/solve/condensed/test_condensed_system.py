@@ -24,8 +24,8 @@ from fenics_contact import (
 )
 from fenics_contact.common import mumps
 from fenics_contact.common.errors import MachineError
+from fenics_contact.common.factors import local_factor
 from fenics_contact.common.timings import Timings
-from fenics_contact.solve.condensed import part_factors
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
@@ -396,7 +396,7 @@ def test_obstacle_that_only_held_nodes_touch():
 
 def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
     """MUMPS runs out of workspace on the last rank; S would be anything."""
-    plain = part_factors._of_mumps
+    plain = local_factor._of_mumps
 
     def without_memory(operator, kind):
         found = plain(operator, kind)
@@ -404,7 +404,7 @@ def test_failed_factorisation_is_an_error_on_every_rank(monkeypatch):
         return found
 
     if COMM.rank == COMM.size - 1:
-        monkeypatch.setattr(part_factors, "_of_mumps", without_memory)
+        monkeypatch.setattr(local_factor, "_of_mumps", without_memory)
         monkeypatch.setattr(mumps, "SPARE_WORKSPACE", (-90, -80))
     scene = with_solver(pressed(), solver="condensed")
     with refused("mumps_out_of_memory", MachineError):
