@@ -29,6 +29,8 @@ from fenics_contact.trust.comparison import nearer_to_failing
 from fenics_contact.trust.error_estimates.measured import Measured
 from fenics_contact.trust.error_estimates.solving_again import restore
 
+# Of the forces, what may be left out of balance.
+_BALANCE = 1e-6
 # Rows at the points, and unknowns, up to which it takes little beside a run.
 _FEW = 1500
 # Of force and peak pressure, what automatic parameters may change.
@@ -89,9 +91,8 @@ def exact_bias(load_steps: LoadSteps) -> Bias:
     before = measure(last.solution)
     try:
         load_steps.go_back()
-        exact.begin_at(last.solution.states)
         answer = exact.solve()
-        if not answer.converged:
+        if not (answer.converged and _is_balanced(system)):
             return _unknown(before, len(problem.contacts), _NO_ANSWER)
         solution = load_steps.newton.solution(0, answer.way)
         found, changed = measure(solution), contact_change(problem, last, solution)
@@ -101,6 +102,12 @@ def exact_bias(load_steps: LoadSteps) -> Bias:
         return _unknown(before, len(problem.contacts), _ANOTHER)
     rows = {key: _difference(found.get(key), value) for key, value in before.items()}
     return Bias(*_by_owner(rows, len(problem.contacts)), _check(problem, before, found))
+
+
+def _is_balanced(system: CondensedSystem) -> bool:
+    """Whether the body is in balance with the forces that were found; collective."""
+    system.balance(system.state, system.residual)
+    return system.imbalance() <= _BALANCE * system.forces
 
 
 def _is_asked(problem: Problem) -> bool:

@@ -114,21 +114,6 @@ class ContactPoints:
         traction[self.own] = np.einsum("pi,pij->pj", stresses[:, 1:], self.directions[:, 1:])
         return self._of_owners(pressure), self._of_owners(traction)
 
-    def forces(self, pressure: Array, traction: Array) -> Array:
-        """Forces that stresses make, of the points of all ranks, (points, rows of a point).
-
-        Collective.
-
-        Args:
-            pressure: At all points of this rank, (points,) (stress).
-            traction: Along the surface, (points, components) (stress).
-        """
-        weights = self.contact.trace.weights[self.own]
-        inverse = np.linalg.pinv(self.directions[:, 1:])
-        along = np.einsum("pj,pji->pi", traction[self.own], inverse)
-        found = np.column_stack([pressure[self.own], along]) * weights[:, None]
-        return gather_rows(self._comm, found)
-
     def flags(self, chosen: Flags) -> Flags:
         """Flags of points of all ranks, at all points of this rank; collective.
 

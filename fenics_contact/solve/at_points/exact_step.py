@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +11,7 @@ from scipy.linalg import LinAlgError
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import from_root
 from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.state import OPEN, STICK, ContactState
+from fenics_contact.contact.state import OPEN, STICK
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.at_points.contact_points import ContactPoints
 from fenics_contact.solve.at_points.point_laws import laws_of
@@ -65,20 +64,6 @@ class ExactSolver:
     def rows(self) -> int:
         """Number of rows of all points; collective."""
         return self._present().rows
-
-    def begin_at(self, states: Sequence[ContactState]) -> None:
-        """Begin the next solve at the forces of an answer; collective.
-
-        Args:
-            states: Of all contacts of the problem, in whose state this is.
-        """
-        operator = self._present()
-        numbers = [self._problem.contacts.index(one.contact) for one in operator.points]
-        rows = [
-            one.forces(states[number].contact_pressure, states[number].friction_traction).ravel()
-            for one, number in zip(operator.points, numbers, strict=True)
-        ]
-        self._last = np.concatenate([*rows, np.zeros(operator.feet)])
 
     def solve(self) -> ExactForces:
         """Take the system and its contacts to the exact answer at the present loads; collective.

@@ -24,7 +24,6 @@ class PointOperator:
     Attributes:
         points: Those of each contact that takes part.
         rows: Number of rows of all points; those of feet come after them.
-        feet: Number of feet, on rank 0.
         compliance: W with rows and columns of the feet, on rank 0; else None.
 
     Args:
@@ -37,7 +36,6 @@ class PointOperator:
         self.rows: int = sum(one.count * one.size for one in points)
         self._jumps = [one.jump_rows() for one in points]
         self.compliance: Array | None = None
-        self.feet = 0
         tangent = system.dense_tangent
         if tangent is None:
             return
@@ -47,7 +45,6 @@ class PointOperator:
         self._moves = self._stacked([jump.motions for jump in jumps])
         works = self._stacked([jump.works for jump in jumps])
         feet, springs = self._inverse.feet, self._inverse.springs
-        self.feet = len(feet)
         moved = np.empty((self._moves.shape[1], self.rows + len(feet)))
         moved[:, : self.rows] = (works @ self._inverse.matrix.T).T
         moved[:, self.rows :] = self._inverse.matrix[:, feet] * springs
