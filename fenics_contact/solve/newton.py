@@ -29,12 +29,6 @@ from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)
 
-# How often an exact answer is found, each time from the last, until forces are in balance.
-_REFINED = 2
-# Forces at the points go through the inverse twice, from them to gaps and back to displacements:
-# what round-off leaves of the balance, over what it leaves of one solve; and over the forces.
-_LOST, _MOST_LOST = 20.0, 1e-6
-
 
 class Newton(SnesSolve):
     """Solves of a problem, each from where the last ended; other ways are tried where one fails.
@@ -184,22 +178,16 @@ class Newton(SnesSolve):
         Raises:
             NotConvergedError: It finds no answer.
         """
-        system = self.system
         with self.timings.phase("solve"):
-            for _ in range(_REFINED):
-                answer = exact.solve()
-                self.steps += answer.steps
-                system.balance(system.state, system.residual)
-                self.imbalances.append(system.imbalance())
-                lost = min(_LOST * system.round_off(), _MOST_LOST * system.forces)
-                self.limit = max(self.problem.scene.solver.tolerance * system.forces, lost)
-                if self.imbalances[-1] <= self.limit:
-                    break
-        if not answer.converged or self.imbalances[-1] > self.limit:
+            answer = exact.solve()
+        self.steps += answer.steps
+        self.imbalances.append(answer.imbalance)
+        self.limit = answer.limit
+        if not answer.is_found:
             raise NotConvergedError(
                 "contact and friction without penalty and smoothing: what is left of their laws is "
                 f"{answer.residual:.1e} of the forces after {self.steps} steps, and the force "
-                f"imbalance {self.imbalances[-1]:.1e} of {system.forces:.3g}",
+                f"imbalance {answer.imbalance:.1e} of {self.system.forces:.3g}",
                 tuple(self.imbalances),
             )
         return self.solution(0, answer.way)

@@ -38,7 +38,7 @@ class ContactPoints:
     def __init__(self, contact: ContactSurface) -> None:
         self.contact, trace = contact, contact.trace
         self._comm = contact.spaces.comm
-        self.own: Integers = np.flatnonzero(trace.owned & contact.kinematics.reached)
+        self.own = self._reached()
         normals = trace.normals[self.own]
         self.size = normals.shape[1]
         self._tangents = tangents_of(normals)
@@ -50,6 +50,15 @@ class ContactPoints:
         counts = of_every_rank(self._comm, len(self.own))
         self._first = int(sum(counts[: self._comm.rank]))
         self.count = int(sum(counts))
+
+    def _reached(self) -> Integers:
+        """Points of this rank that have something opposite now."""
+        return np.flatnonzero(self.contact.trace.owned & self.contact.kinematics.reached)
+
+    @property
+    def are_all(self) -> bool:
+        """Whether these are still the points of this rank that have something opposite."""
+        return np.array_equal(self.own, self._reached())
 
     @cached_property
     def weights(self) -> Array:

@@ -6,6 +6,7 @@ import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
+from mpi4py import MPI
 from scipy.linalg import LinAlgError
 
 from fenics_contact.common.arrays import Array, Flags
@@ -17,7 +18,7 @@ from fenics_contact.solve.at_points.contact_points import ContactPoints
 from fenics_contact.solve.at_points.point_laws import laws_of
 from fenics_contact.solve.at_points.point_operator import PointOperator
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.exact.local_problem import LocalProblem
+from fenics_contact.solve.exact.local_problem import LocalProblem, PointLaws
 from fenics_contact.solve.exact.solver import solve
 
 logger = logging.getLogger(__name__)
@@ -32,9 +33,11 @@ class ExactForces:
         closed: Points that touch, (points,).
         sticks: Those of these that stick.
         steps: Newton steps that it took, those of failed tries and sweeps included.
-        converged: Whether it is an answer.
+        converged: Whether it satisfies the laws at the points.
         residual: What is left of the laws, over the forces.
         way: How it was found, in words.
+        imbalance: Of the forces on the body, with it (force).
+        limit: Up to which that counts as none (force).
     """
 
     rows: Array
@@ -44,6 +47,13 @@ class ExactForces:
     converged: bool
     residual: float
     way: str
+    imbalance: float = np.inf
+    limit: float = 0.0
+
+    @property
+    def is_found(self) -> bool:
+        """Whether it is an answer: laws hold, and the body is in balance."""
+        return self.converged and self.imbalance <= self.limit
 
 
 class ExactSolver:
@@ -58,6 +68,7 @@ class ExactSolver:
         self._problem, self._system = problem, system
         self._of: tuple[object, ...] = ()
         self._operator: PointOperator | None = None
+        self._local: LocalProblem | None = None
         self._last: Array | None = None
 
     @property
@@ -69,24 +80,60 @@ class ExactSolver:
         """Take the system and its contacts to the exact answer at the present loads; collective.
 
         It begins from the last answer, if there is one, else from points that stick wherever the
-        surfaces overlap.
+        surfaces overlap. Where round-off of soft bodies leaves forces out of balance, what is left
+        is solved for once more.
         """
         operator = self._present()
         for one in operator.points:
             one.contact.find_forces(*self._parameters(one.contact))
-        free, laws = operator.free_openings(), laws_of(operator.points)
+        found = self._solve(operator, None)
+        if found.converged and not found.is_found:
+            again = self._solve(operator, found.rows)
+            found = replace(again, steps=found.steps + again.steps)
+        return found
+
+    def _solve(self, operator: PointOperator, acting: Array | None) -> ExactForces:
+        """One solve; collective.
+
+        Args:
+            operator: How forces move points.
+            acting: Forces at the points that act already, (rows,); None where none do.
+        """
+        openings, laws = operator.openings(), laws_of(operator.points)
         found = None
         if operator.compliance is not None:
-            feet = len(free) - operator.rows
-            problem = LocalProblem(operator.compliance, free, laws, self._weights, scalars=feet)
-            found = _solved(problem, self._last)
+            base = np.zeros(len(openings))
+            if acting is not None:
+                base[: operator.rows] = acting[: operator.rows]
+            free = openings - operator.compliance @ base
+            found = _solved(self._local_problem(operator, free, laws), self._last)
+            changed = found.rows - base
+        else:
+            changed = np.zeros(0)
         answer = from_root(self._system.comm, found)
         assert answer is not None
         self._act(operator, answer)
+        operator.move(changed)
         if answer.converged:
             self._last = answer.rows.copy()
             self._last[operator.rows :] = 0.0  # feet are told from where the state is now
-        return answer
+        return self._judged(answer)
+
+    def _local_problem(self, operator: PointOperator, free: Array, laws: PointLaws) -> LocalProblem:
+        """The problem at the points, on rank 0; what follows from W alone is kept."""
+        if self._local is None:
+            assert operator.compliance is not None
+            feet = len(free) - operator.rows
+            self._local = LocalProblem(operator.compliance, free, laws, self._weights, scalars=feet)
+        self._local = self._local.with_laws(laws).with_free(free)
+        return self._local
+
+    def _judged(self, answer: ExactForces) -> ExactForces:
+        """With the balance of the body under these forces; collective."""
+        system = self._system
+        system.balance(system.state, system.residual)
+        limit = max(self._problem.scene.solver.tolerance * system.forces, system.round_off())
+        return replace(answer, imbalance=system.imbalance(), limit=limit)
 
     def _parameters(self, contact: ContactSurface) -> tuple[float, float]:
         """ε₁ and ε: of scenes that ask for exact contacts as they are given, else none."""
@@ -96,13 +143,18 @@ class ExactSolver:
         """How forces move points as they are paired, and with scalars held, now; collective."""
         of = (self._system.version, *self._system.held_scalars)
         operator = self._operator
-        if operator is None or of != self._of:
+        if operator is None or of != self._of or not self._are_all(operator):
             acting = [contact for contact in self._problem.contacts if contact.forces.terms]
             points = [ContactPoints(contact) for contact in acting]
             operator = self._operator = PointOperator(self._system, points)
             self._weights = np.concatenate([one.weights for one in points])
-            self._of, self._last = of, None
+            self._of, self._last, self._local = of, None, None
         return operator
+
+    def _are_all(self, operator: PointOperator) -> bool:
+        """Whether the points are those that have something opposite now; collective."""
+        same = all(one.are_all for one in operator.points)
+        return bool(self._system.comm.allreduce(same, op=MPI.LAND))
 
     @staticmethod
     def _act(operator: PointOperator, answer: ExactForces) -> None:
@@ -125,7 +177,6 @@ class ExactSolver:
             )
             one.contact.take_found(found)
             first = last
-        operator.move(answer.rows)
 
 
 def _none(problem: LocalProblem) -> ExactForces:

@@ -34,7 +34,7 @@ class PointOperator:
     def __init__(self, system: CondensedSystem, points: Sequence[ContactPoints]) -> None:
         self.points, self._system = points, system
         self.rows: int = sum(one.count * one.size for one in points)
-        self._jumps = [one.jump_rows() for one in points]
+        rows = [one.jump_rows() for one in points]
         self.compliance: Array | None = None
         tangent = system.dense_tangent
         if tangent is None:
@@ -42,8 +42,8 @@ class PointOperator:
         inner = tangent.inner
         self._inverse = SprungInverse(inner.compliance, tangent.border, inner.size)
         jumps = [system.jump_of(one.contact) for one in points]
-        self._moves = self._stacked([jump.motions for jump in jumps])
-        works = self._stacked([jump.works for jump in jumps])
+        self._moves = self._stacked(rows, [jump.motions for jump in jumps])
+        works = self._stacked(rows, [jump.works for jump in jumps])
         feet, springs = self._inverse.feet, self._inverse.springs
         moved = np.empty((self._moves.shape[1], self.rows + len(feet)))
         moved[:, : self.rows] = (works @ self._inverse.matrix.T).T
@@ -53,10 +53,15 @@ class PointOperator:
         diagonal = np.arange(self.rows, len(self.compliance))
         self.compliance[diagonal, diagonal] -= 1.0
 
-    def _stacked(self, jumps: Sequence[csr_matrix]) -> csr_matrix:
-        """Rows of all points over all that the inverse is of."""
-        rows = [row @ jump for row, jump in zip(self._jumps, jumps, strict=True)]
-        found = vstack(rows).tocsr()
+    def _stacked(self, rows: Sequence[csr_matrix], jumps: Sequence[csr_matrix]) -> csr_matrix:
+        """Rows of all points over all that the inverse is of.
+
+        Args:
+            rows: Of each contact, over the dofs of its surface.
+            jumps: Of each contact at these dofs, over the unknowns.
+        """
+        products = [row @ jump for row, jump in zip(rows, jumps, strict=True)]
+        found = vstack(products).tocsr()
         found.resize((self.rows, len(self._inverse.matrix)))
         return found
 
@@ -64,10 +69,10 @@ class PointOperator:
         """Gaps, slips and places of what springs hold, by changes of the unknowns."""
         return np.concatenate([self._moves @ changes, changes[self._inverse.feet]])
 
-    def free_openings(self) -> Array:
-        """Openings q without forces at the points, at the present loads; collective.
+    def openings(self) -> Array:
+        """Gaps and slips in balance with the forces that contacts have now; collective.
 
-        Contacts have no forces when this is called.
+        Without forces of contacts these are q.
 
         Returns:
             On rank 0 (rows + feet,), feet relative to where they are in the present state; empty
@@ -84,12 +89,13 @@ class PointOperator:
         return found
 
     def move(self, forces: Array) -> None:
-        """Take the unknowns to where they are under forces at the points; collective.
+        """Take the unknowns to where they are under further forces at the points; collective.
 
-        The state is still that of ``free_openings``.
+        The state is still that of ``openings``.
 
         Args:
-            forces: On rank 0, with the feet, (rows + feet,) (force, length).
+            forces: On rank 0, beside those that acted then, with the feet, (rows + feet,) (force,
+                length).
         """
         system = self._system
         if self.compliance is not None:

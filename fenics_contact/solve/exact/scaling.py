@@ -13,8 +13,8 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 
-# Of a point's compliance: rows with less are of directions in which supports hold the point.
-_HELD = 1e-13
+# Of the largest compliance of a point: rows with less are of directions in which supports hold one.
+_HELD = 1e-15
 
 
 @dataclass(eq=False)
@@ -95,10 +95,10 @@ def scaled(
     trace = of_points.sum(axis=1)
     # Rows of directions in which a point is held are 0: their slip is 0 whatever the force. With
     # a compliance of their own, which nothing else sees, the force there is 0, too.
-    held = of_points < _HELD * trace[:, None]
+    held = of_points <= _HELD * trace.max()
     free = dimension - held.sum(axis=1)
-    mean = trace / np.maximum(free, 1)
-    mean = np.where(mean > 0, mean, mean.max() if mean.max() > 0 else 1.0)
+    typical = float(trace.max()) / dimension or 1.0
+    mean = np.where(free > 0, trace / np.maximum(free, 1), typical)
     of_points[held] = np.broadcast_to(mean[:, None], held.shape)[held]
     size[:count] = np.repeat(1 / np.sqrt(mean), dimension)
     if len(size) > count:

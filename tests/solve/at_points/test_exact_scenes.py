@@ -14,6 +14,7 @@ from fenics_contact import (
     Load,
     Material,
     Obstacle,
+    Path,
     Scene,
     Steps,
     Support,
@@ -204,3 +205,49 @@ def test_a_solver_that_breaks_down_is_no_answer(monkeypatch: pytest.MonkeyPatch)
     found = run(errors_off(bar()), body=box_body((2, 2), (1, LENGTH)))
     assert found.exit_code == 3
     assert "what is left of their laws" in found.verdict
+
+
+def test_a_punch_that_moves_takes_its_points_along() -> None:
+    """Other points have something opposite in each load step; against the default's answers."""
+    punch = Obstacle(
+        shape="flat punch",
+        radius=0.25,
+        position=(0.3, 0.0),
+        normal=(0, 1),
+        indentation=0.01,
+        path=Path(time=(0, 1), factor=(1, 1)),
+        displacement=(0.4, 0),
+    )
+    scene = dataclasses.replace(
+        bar(penalty_parameter="auto", obstacle=punch, law="incremental", friction_coefficient=0.2),
+        steps=Steps(number=4),
+    )
+    body = box_body((20, 4), (1, LENGTH))
+    smooth, exact = (run(errors_off(scene, strategy=s), body=body) for s in ("auto", "exact"))
+    assert exact.converged
+    closed = [step.quantities["contact_area"] for step in exact.steps]
+    assert min(closed) > 0.3
+    for one, other in zip(smooth.steps, exact.steps, strict=True):
+        force = one.quantities["normal_force"]
+        assert other.quantities["normal_force"] == pytest.approx(force, rel=2e-3)
+
+
+def test_slender_bodies_and_a_point_that_supports_hold() -> None:
+    """Two clamped strips pressed together: forces to round-off, none where nothing can move."""
+    boxes_of = [Box("lower", (0, -1), (40, 0), (20, 1)), Box("upper", (0, 0), (40, 1), (20, 1))]
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(MODULUS, 0.3),
+        support=(Support("lower.x0", {"x": 0, "y": 0}), Support("upper.x0", {"x": 0, "y": 0})),
+        load=(Load("lower.y0", pressure=1e-3), Load("upper.y1", pressure=1e-3)),
+        contact=(Contact("upper.y0", against="lower.y1", friction_coefficient=0.3),),
+    )
+    body = boxes(boxes_of)
+    smooth, exact = (run(errors_off(scene, strategy=s), body=body) for s in ("auto", "exact"))
+    assert exact.passed
+    force = smooth.quantities["pressure_integral"]
+    assert exact.quantities["pressure_integral"] == pytest.approx(force, rel=1e-5)
+    points = exact.points
+    held = np.abs(points.coordinates[:, 0]) < 1e-9
+    assert np.abs(points.contact_pressure[held]).max(initial=0) <= 1e-9
+    assert max(exact.steps[-1].residual_history) <= 1e-12
