@@ -64,8 +64,12 @@ WORDS: Mapping[str, CheckWords] = {
     ),
     "coupling": CheckWords(
         "Force and moment that the body needs of each coupling against those given, moments over "
-        "the face's largest distance from its point; over the largest force.",
-        "the force or moment of a coupling is {share} off the one that is given",
+        "the face's largest distance from its point; over the largest force. And its motion "
+        "against the one that is given, over the largest motion.",
+        kinds={
+            "force": "the force or moment of a coupling is {share} off the one that is given",
+            "motion": "the motion of a coupling is {share} off the one that is given",
+        },
     ),
     "cyclic_symmetry": CheckWords(
         "Displacements of one cut face of a sector against those of the other, turned, over the "

@@ -227,6 +227,8 @@ def _left_in_sector(contact: ContactSurface, vectors: Array, places: Array) -> A
 
 # What holds a motion that nothing pushes: of the forces applied.
 _NO_FORCE = 1e-9
+# Of the motions of couplings, round-off.
+_NO_MOTION = 1e-12
 
 
 def equilibrium(forces: InternalForces) -> Check | None:
@@ -260,11 +262,31 @@ def preloads(forces: InternalForces) -> Check | None:
 
 
 def couplings(forces: InternalForces) -> Check | None:
-    """Force and moment that the body needs of each coupling against those given; collective.
+    """Force and moment that the body needs of each coupling, and its motion, against those given.
 
-    Moments over the largest distance of the face from its point. None where none is given.
+    Moments over the largest distance of the face from its point, rotations times it. None where
+    nothing is given. Collective.
     """
-    return _given_forces(forces, "coupling")
+    worst = _given_motions(forces)
+    pulled = _given_forces(forces, "coupling")
+    if pulled is None:
+        return worst
+    return nearer_to_failing(worst, replace(pulled, kind="force"))
+
+
+def _given_motions(forces: InternalForces) -> Check | None:
+    """Motions of couplings against those given, over the largest of both; collective."""
+    problem = forces.problem
+    compared = [
+        (scalar.held, state.value)
+        for scalar, state in zip(problem.body_scalars, forces.scalar_states(), strict=True)
+        if scalar.check == "coupling" and scalar.is_locked and scalar.held is not None
+    ]
+    if not compared:
+        return None
+    asked, found = np.array(compared).T
+    size = float(np.abs([*asked, *found]).max()) or 1.0
+    return Check(float(np.abs(found - asked).max()) / size, _NO_MOTION, kind="motion")
 
 
 def _given_forces(forces: InternalForces, check: str) -> Check | None:

@@ -14,6 +14,7 @@ from mpi4py import MPI
 from fenics_contact import (
     Check,
     Contact,
+    Coupling,
     Group,
     Load,
     Material,
@@ -135,6 +136,12 @@ def tightened():
 def punched():
     """A block on a rough plane, whose upper side is rigid, pressed and turned."""
     return Run(punch(), COMM, divided(6))
+
+
+def led():
+    """The same block, whose upper side is moved as it is given."""
+    given = Coupling("y1", name="punch", displacement={"x": 0.001, "y": -0.01}, rotation={"z": 0})
+    return Run(punch(coupling=(given,)), COMM, divided(6))
 
 
 def ringed():
@@ -324,6 +331,13 @@ def stretched(prepared, monkeypatch):
     return with_body(prepared.solution, displacement=moved)
 
 
+def let_go(prepared, monkeypatch):
+    """A coupling that is a millionth off where it is to be, as if it were free."""
+    moved = prepared.problem.body_scalars[0]
+    monkeypatch.setattr(type(moved), "value", property(lambda own: (1 + 1e-6) * own.held))
+    return prepared.solution
+
+
 def moved_apart(prepared, monkeypatch):
     """One cut face moves by 1e-6 more than the other."""
     cut = prepared.problem.discrete.cut
@@ -373,7 +387,8 @@ BROKEN = {
     ("stabilisation", ""): (loose, pushed_where_held),
     ("point_support", ""): (held_at_a_point, pushed_at_a_point),
     ("preload", ""): (tightened, stretched),
-    ("coupling", ""): (punched, stretched),
+    ("coupling", "force"): (punched, stretched),
+    ("coupling", "motion"): (led, let_go),
     ("cyclic_symmetry", "motion"): (ringed, moved_apart),
     ("cyclic_symmetry", "forces"): (ringed, pulled_at_the_cut),
     ("action_and_reaction", ""): (stacked, handed_over_elsewhere),
