@@ -281,8 +281,11 @@ class Pairing:
         found = hits(self._present.master, points[:, : normals.shape[1]], normals)
         faces = found.facet >= 0
         missed = np.zeros(len(points))
-        facets, reference = found.facet[faces], found.reference[faces]
-        missed[faces] = SmoothSurface(self._surfaces[1]).offsets(facets, reference)
+        # Copies are as curved as the facets in this sector; and what the slave misses is told
+        # without copies, too, so that the same curve on both sides leaves no gap.
+        master = self.master_as_meshed
+        facets, reference = found.facet[faces] % len(master.nodes), found.reference[faces]
+        missed[faces] = SmoothSurface(master).offsets(facets, reference)
         return missed
 
 
