@@ -124,7 +124,7 @@ class HeatedGroup:
 
     @property
     def extent(self) -> HeatedGroup:
-        """The same cells that expand alike, whatever their temperature is where it varies."""
+        """Group of the same cells and expansion, without the values of its temperature field."""
         field = None if self.field is None else Temperature(value=0.0)
         return dataclasses.replace(self, field=field, reference=0.0)
 
@@ -234,10 +234,10 @@ class BodyDescription:
         names = (each.name for each in dataclasses.fields(self))
         return [name for name in names if getattr(self, name) != getattr(other, name)]
 
-    def differences_beside_fields(self, other: BodyDescription) -> Sequence[str]:
-        """The same, where bodies are alike whose temperatures vary in another way in space.
+    def differences_without_temperature_fields(self, other: BodyDescription) -> Sequence[str]:
+        """Names of attributes that differ, but for the values of temperature fields.
 
-        Not with couplings, whose motions do work on what temperatures do.
+        With couplings these values count, as thermal strain does work in their motions.
         """
         found = self.differences(other)
         if self.couplings:

@@ -1,4 +1,4 @@
-"""What penalty and smoothing change, measured: the last load step once more, exactly.
+"""Bias by penalty and smoothing, measured by an exact solve of the last load step.
 
 The answer without a penalty and without smoothing of friction is solved on the condensed body,
 under the same loads and from the same end of the load step before. The difference of the two is
@@ -61,7 +61,7 @@ class Bias:
     notes: list[str] = field(default_factory=list)
 
     def of_contact(self, number: int) -> Mapping[str, QuantityValue | None]:
-        """That of a contact for ``result.json``; empty where there is none."""
+        """Bias of one contact's quantities for ``result.json``; empty where none was measured."""
         return self.contacts[number] if self.contacts else {}
 
 
@@ -76,7 +76,7 @@ def exact_bias(load_steps: LoadSteps) -> Bias:
     """
     problem, system, last = load_steps.problem, load_steps.newton.system, load_steps.last
     wanted = problem.scene.solver.exact_check
-    if not isinstance(system, CondensedSystem) or last is None or not _is_asked(problem):
+    if not isinstance(system, CondensedSystem) or last is None or not _is_wanted(problem):
         return Bias()
     if why_not(problem) is not None:
         return Bias()
@@ -100,7 +100,7 @@ def exact_bias(load_steps: LoadSteps) -> Bias:
     return Bias(*_by_owner(rows, len(problem.contacts)), _check(problem, before, found))
 
 
-def _is_asked(problem: Problem) -> bool:
+def _is_wanted(problem: Problem) -> bool:
     """Whether there is a penalty or a smoothing, whose bias the scene asks for."""
     wanted, scene = problem.scene.solver.exact_check, problem.scene
     if wanted is False or scene.is_exact or (wanted == "auto" and scene.solver.errors == "none"):
@@ -181,6 +181,6 @@ def _largest_share(
     before: Mapping[Hashable, QuantityValue],
     found: Mapping[Hashable, QuantityValue],
 ) -> float:
-    """The same of all contacts; 0 where none presses."""
+    """Largest change of forces and peak over all contacts; 0 where none presses."""
     shares = [_share(number, before, found) for number in range(len(problem.contacts))]
     return max((share for share in shares if share is not None), default=0.0)

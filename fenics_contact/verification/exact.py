@@ -48,7 +48,7 @@ def _bar(cells: int) -> Iterator[Finding]:
     yield Finding("pressure of a bar", found["max_contact_pressure"], pressure, 1e-11)
 
 
-def _resting(cells: int) -> Iterator[Finding]:
+def _held_by_friction(cells: int) -> Iterator[Finding]:
     contact = Contact("block.y0", friction_coefficient=0.5)
     loads = (Load("block.y1", pressure=_PRESSURE), Load("block.y1", traction=(_PULL, 0)))
     result = solved(_scene(contact, 0.3, load=loads), _block(cells))
@@ -87,7 +87,7 @@ def _limits(cells: int) -> Iterator[Finding]:
 def _exact(quick: bool) -> Iterator[Finding]:
     cells = 4 if quick else 16
     yield from _bar(cells)
-    yield from _resting(cells)
+    yield from _held_by_friction(cells)
     yield from _limits(cells)
 
 

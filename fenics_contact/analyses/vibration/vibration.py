@@ -123,7 +123,7 @@ def _vibration(kept: KeptBody, scene: Scene) -> Vibration:
 
 
 def _of_sectors(scene: Scene) -> list[str]:
-    """Which modes of a ring those of a sector are; none of a whole body."""
+    """Return a sentence that says which modes of the ring a sector has; none for a whole body."""
     sector = scene.cyclic_symmetry
     if sector is None:
         return []

@@ -1,4 +1,4 @@
-"""What acts at the points of a contact where an exact solver found it, not a law from the jump."""
+"""Pressures and tractions at contact points that an exact solver found."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class FoundTractions:
     def none(
         cls, normals: Array, penalty_parameter: float = 0.0, regularisation_parameter: float = 0.0
     ) -> FoundTractions:
-        """Nothing touches.
+        """State in which no point touches.
 
         Args:
             normals: Of the points, (points, components).
@@ -58,7 +58,7 @@ class FoundTractions:
         }
 
     def recalled(self, at_points: Mapping[str, Array]) -> FoundTractions | None:
-        """What ``kept`` gave, among other arrays; None where there is nothing of it."""
+        """Tractions from arrays that ``kept`` gave; None where they are not among these."""
         if f"{_PREFIX}status" not in at_points:
             return None
         status = at_points[f"{_PREFIX}status"]

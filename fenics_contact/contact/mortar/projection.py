@@ -81,7 +81,7 @@ def _nearest(
     mean_normals: Array,
     layered: Flags,
 ) -> Iterator[Overlap]:
-    """The same overlaps, of several layers the nearest."""
+    """Overlaps of the slave with the nearest of several layers of the master."""
     return (nearest_layer(part, slave, master, mean_normals, layered) for part in overlaps())
 
 

@@ -66,7 +66,10 @@ class SlaveRows:
         return replace(whole, coupling=self.across.copies.summed(whole.coupling))
 
     def _with_copies(self) -> MortarIntegrals:
-        """The same with columns for each copy of the master; collective."""
+        """Integrals of the whole surfaces, with a column for each node of each copy of the master.
+
+        On every rank; collective.
+        """
         count = self.slave.space.dofmap.index_map.size_global
         mass = self._whole(self.integrals.mass.tocoo(), self.slave.numbers, count)
         count = self.integrals.coupling.shape[1]
@@ -80,7 +83,7 @@ class SlaveRows:
         return FoldedOnRanks(self.gathered(), self.slave, self.master)
 
     def _without_copies(self) -> SlaveRows:
-        """The same without columns of copies, which no slave faces."""
+        """Rows with the columns of the master in this sector alone, where no slave faces a copy."""
         own = self.integrals.coupling[:, : self.across.copies.count]
         return replace(self, integrals=replace(self.integrals, coupling=csr_matrix(own)))
 

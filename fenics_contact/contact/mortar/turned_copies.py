@@ -37,7 +37,7 @@ class TurnedCopies:
 
     @classmethod
     def facing(cls, points: Array, master: FacetMesh, cut: CutFaces | None) -> TurnedCopies:
-        """The copies that are nearest to points of the slave, and those beside them.
+        """Copies in the sectors that are nearest to points of the slave, and in their neighbours.
 
         Args:
             points: On the slave in this sector, (points, components) (length).

@@ -26,7 +26,7 @@ _AT = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], 
 
 @dataclass(frozen=True, eq=False)
 class OuterFaces:
-    """Such faces.
+    """Quadrilateral faces on the outside of a mesh.
 
     Attributes:
         nodes: Tags of each, those of corners first; they turn about normals into the cell.

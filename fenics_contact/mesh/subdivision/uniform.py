@@ -47,7 +47,7 @@ _TOLD = 1e-9  # change of volume, over the whole, from which it is told
 
 @dataclass(frozen=True)
 class Form:
-    """What all cells of a model are.
+    """Shapes and order of the cells of a model.
 
     Attributes:
         shapes: Of the cells as they are read.
@@ -64,7 +64,7 @@ class Form:
 
 
 def form_of(read: Mapping[str, Any], description: Mapping[str, Any], dimension: int) -> Form | None:
-    """What the cells of a mesh are; None where there are none, or some of another type.
+    """Shapes and order of the cells of a mesh; None without cells, or with cells of other types.
 
     Args:
         read: Arrays of the process that has read the mesh.
@@ -84,7 +84,7 @@ def form_of(read: Mapping[str, Any], description: Mapping[str, Any], dimension: 
 
 
 def common_form(forms: Iterable[Form | None]) -> Form | None:
-    """What the cells of several meshes in one model become; None where one has no form.
+    """Common shapes and order of the cells of several meshes; None where one mesh has no form.
 
     Args:
         forms: Of the meshes.
@@ -184,7 +184,7 @@ class _Change:
         )
 
     def made(self) -> tuple[Mapping[str, Any], Mapping[str, Any], tuple[str, ...]]:
-        """As ``uniform``."""
+        """Arrays and description of the mesh of simplices, and sentences on what was changed."""
         self._check_nodes()
         ready = of_order(self._elements, self._form.order, self._nodes, self._middles)
         cells, sides = (

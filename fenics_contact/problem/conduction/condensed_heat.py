@@ -96,7 +96,7 @@ class CondensedHeat:
         return found
 
     def _load_at(self, time: float) -> tuple[Array, Array]:
-        """What flows into the free nodes, and that condensed onto the surfaces (power)."""
+        """Heat that flows into the free nodes, and the same condensed onto the surfaces (power)."""
         if self._load is None or self._load[0] != time:
             assert self._factor is not None
             bodies = self._bodies
@@ -109,7 +109,7 @@ class CondensedHeat:
         return self._load[1:]
 
     def _of_contacts(self, paired: Sequence[PairedHeat], conducted: Sequence[csr_matrix]) -> Array:
-        """What contacts add to the matrix of the surfaces' nodes, dense (power/temperature)."""
+        """Dense matrix of contacts' conductances between surface nodes (power/temperature)."""
         found = np.zeros((len(self._surfaces), len(self._surfaces)))
         for pair, own in zip(paired, conducted, strict=True):
             slave, master = (np.searchsorted(self._surfaces, n) for n in (pair.slave, pair.master))

@@ -1,4 +1,4 @@
-"""What scenes can be solved exactly, without penalty and without smoothing of friction."""
+"""Conditions for scenes whose contacts are solved without penalty and smoothing of friction."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def require_exact(scene: CoreScene) -> None:
 
 
 def _require_parameters(scene: CoreScene) -> None:
-    """Refuse parameters above 0 beside the strategy that makes them 0, and other strategies."""
+    """Refuse parameters > 0 with the strategy `exact`, and parameters = 0 with other strategies."""
     strategy = scene.solver.strategy
     for number, contact in enumerate(scene.contact):
         for key in ("penalty_parameter", "regularisation_parameter"):

@@ -246,7 +246,7 @@ class BodyOfStudy:
     def differences(self, scene: Scene, other: Scene) -> list[str]:
         """Return the names of the parts by which the bodies of two scenes differ."""
         one, another = (BodyDescription.of(each) for each in (scene, other))
-        found = list(one.differences_beside_fields(another))
+        found = list(one.differences_without_temperature_fields(another))
         return found if self._same_mesh(mesh_key(scene), other) else ["mesh", *found]
 
     def of(self, scene: Scene, timings: Timings) -> KeptBody:
@@ -260,7 +260,7 @@ class BodyOfStudy:
         if self.kept is not None:
             description = BodyDescription.of(scene)
             known = self.kept.discrete.description
-            other = list(known.differences_beside_fields(description))
+            other = list(known.differences_without_temperature_fields(description))
             other += [] if same_mesh else ["mesh"]
             if not other:
                 return self._at_temperatures(self.kept, description)

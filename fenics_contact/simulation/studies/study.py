@@ -132,7 +132,7 @@ class Study:
         if kept is None or kept.condensed is None:
             raise InputError(f"{path}: solve before saving: no body is condensed yet")
         described = BodyDescription.of(self.scene)
-        if not kept.discrete.description.differences_beside_fields(described):
+        if not kept.discrete.description.differences_without_temperature_fields(described):
             self._body_of(self.scene)  # with its own temperatures
         with failing_together(self.comm):
             kept.make_rows()

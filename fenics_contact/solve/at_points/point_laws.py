@@ -21,7 +21,7 @@ from fenics_contact.solve.exact.local_problem import (
 
 
 def why_not(problem: Problem) -> str | None:
-    """What of a problem an exact solver does not cover, in words; None where it covers all."""
+    """Name the part of a problem that the exact solver does not cover; None where it covers all."""
     if problem.inertia.moves:
         return "motion"
     if problem.conduction is not None:
@@ -37,7 +37,7 @@ def why_not(problem: Problem) -> str | None:
 
 
 def _not_here(contact: ContactSurface) -> str | None:
-    """What of a contact is not covered, in words; None where all is."""
+    """Name the law of a contact that the exact solver does not cover; None where it covers all."""
     normal, friction = contact.normal, contact.friction
     if normal.sticks and contact.contact.penalty_parameter not in ("auto", 0):
         return "glue with a penalty_parameter above 0"

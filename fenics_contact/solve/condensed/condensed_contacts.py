@@ -147,7 +147,7 @@ class ContactJump:
         return self._over_all(self.work)
 
     def _over_all(self, of_scalars: Array) -> csr_matrix:
-        """Its own unknown of each row, and what the scalars do to it, (rows, width)."""
+        """Matrix of the jump's rows over all of Q y: own unknowns, and effects of scalars."""
         rows, numbers = np.nonzero(of_scalars)
         values = np.concatenate([np.ones(len(self.rows)), of_scalars[rows, numbers]])
         places = (

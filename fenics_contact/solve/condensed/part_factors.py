@@ -136,7 +136,7 @@ class RankFactor:
 
     @cached_property
     def _rows_of_kept(self) -> list[csr_matrix]:
-        """Of each part, the rows of what is kept of it."""
+        """Rows of the kept unknowns, a matrix for each part."""
         return [
             m[np.flatnonzero(self._at[p])] for m, p in zip(self._matrices, self._parts, strict=True)
         ]

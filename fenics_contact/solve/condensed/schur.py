@@ -128,7 +128,7 @@ class CondensedBulk:
         return every
 
     def condense_and_expand(self, load: Array) -> tuple[Array, Array]:
-        """What ``condense`` gives, and the unknowns where contact dofs are held; collective.
+        """Condensed load, and the unknowns under it while contact dofs are held; collective.
 
         With half the solves of both.
 

@@ -1,4 +1,4 @@
-"""What the exact solver found."""
+"""Answer of the exact solver: forces, gaps, statuses, and how it was found."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from fenics_contact.solve.exact.local_problem import LocalProblem
 
 @dataclass(frozen=True, eq=False)
 class PointState:
-    """What the laws say at given forces; all in scaled units.
+    """State of the points under given forces: gaps, statuses, violation of the laws; scaled units.
 
     Attributes:
         forces: r, (rows,).
@@ -138,7 +138,7 @@ class NaturalMap:
         return found
 
     def at(self, forces: Array) -> PointState:
-        """What the laws say at forces.
+        """State of the points under given forces.
 
         Args:
             forces: r̂ without those that are given, (rows,).

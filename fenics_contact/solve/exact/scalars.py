@@ -54,7 +54,7 @@ class Scalars:
         return compliance, free
 
     def carried(self, scalars: Array) -> Array | float:
-        """What scalars of the sweep before add to q of the points."""
+        """Gaps and slips that scalars of the sweep before add to those without forces."""
         if self._factors is None or self.is_exact:
             return 0.0
         return np.asarray(self._to @ lu_solve(self._factors, self._added @ scalars))

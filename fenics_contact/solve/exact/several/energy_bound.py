@@ -1,4 +1,4 @@
-"""What all answers of a problem have in common: an ellipsoid of forces, and linear inequalities.
+"""Bounds that all answers of a problem keep: an ellipsoid of forces, and linear inequalities.
 
 Let s be forces with s_t = 0 and s_n ≥ 0, such as those of the problem without friction, and w
 the gaps that they leave. Forces and gaps of an answer satisfy r_n v_n = 0, s_n v_n ≥ 0 and
@@ -41,7 +41,7 @@ class Rest:
 
     @property
     def radius(self) -> float:
-        """Its radius; 0 also where rounding makes it imaginary."""
+        """Radius of the ellipsoid; 0 also where rounding makes it imaginary."""
         return float(np.sqrt(max(1.0 - float(self.middle @ self.middle), 0.0)))
 
 

@@ -73,7 +73,7 @@ def surely_unique_up_to(problem: LocalProblem) -> float:
 
 
 def _largest_eigenvalue(matrix: Array) -> float:
-    """Of a symmetric matrix, from Lanczos' method if it is large."""
+    """Largest eigenvalue of a symmetric matrix, by Lanczos' method if the matrix is large."""
     last = len(matrix) - 1
     if last < _SMALL:
         return float(eigh(matrix, eigvals_only=True, subset_by_index=(last, last))[0])
