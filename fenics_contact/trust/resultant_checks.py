@@ -202,7 +202,7 @@ def _left_of_forces(contact: ContactSurface, vectors: Array, places: Array) -> A
 
 
 def _left_in_sector(contact: ContactSurface, vectors: Array, places: Array) -> Array:
-    """Resultants that no turn changes: radial and axial force, moment about the axis; collective.
+    """Resultants that no turn changes: radial, axial, moment about the axis; collective.
 
     Args:
         contact: Between two bodies of a sector, across its cut.

@@ -164,7 +164,7 @@ class Conduction:
         return self._change(one, other)
 
     def _change(self, one: Sequence[Array], other: Sequence[Array]) -> float:
-        """Largest change of conductances between two sets of pressures, over the largest; collective."""
+        """Largest change of conductances between two pressures, over the largest; collective."""
         rows = [
             (heat.conductances(before)[heat.faces], heat.conductances(after)[heat.faces])
             for heat, before, after in zip(self.contacts, one, other, strict=True)
