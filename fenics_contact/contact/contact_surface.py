@@ -339,6 +339,18 @@ class ContactSurface:
         """Whether it pushes only: the body may leave it."""
         return self.normal.pushes_only
 
+    def name_of(self, term: NormalTerm | FrictionTerm) -> str:
+        """What a term models, and where, for results.
+
+        Args:
+            term: One of ``forces.terms``.
+        """
+        smoothed = (
+            self.regularisation_parameter if term is self.friction_term else self.penalty_parameter
+        )
+        exact = term.law.exact_model
+        return f"{exact} on {self.label}" if exact and not smoothed else term.name
+
     def find_forces(self, penalty: float = 0.0, regularisation: float = 0.0) -> None:
         """Have no forces until an exact solver has found them.
 

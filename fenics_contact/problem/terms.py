@@ -79,7 +79,10 @@ def terms_of(
         if law.loads_at_points:
             terms.append(Term(law.name, partial(_forms_of_loads, law)))
     for contact in contacts:
-        terms += [Term(term.name, partial(getattr, term, "forms")) for term in contact.forces.terms]
+        terms += [
+            Term(contact.name_of(term), partial(getattr, term, "forms"))
+            for term in contact.forces.terms
+        ]
         terms += _of_scalars(unknowns, contact)
     return terms
 

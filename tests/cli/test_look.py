@@ -142,12 +142,21 @@ def test_what_elements_are_made_for_is_the_kinematics(folder, kind, order, kinem
     assert scene["discretisation"]["degree"] == degree
 
 
-def test_a_file_without_surfaces_says_what_to_add(folder, capsys):
+def test_a_file_without_surfaces_has_sides_and_says_what_to_add_for_others(folder, capsys):
     """And a scene in which nothing holds, touches or loads the bodies is not called one to run."""
     (folder / "b.bdf").write_text(bdf(Block("hexahedron"), "CHEXA"))
     code, scene = look(folder / "b.bdf", folder / "out")
     said = capsys.readouterr().out
-    assert code == 0 and "add them to the file: BSURFS, or shells (CQUAD4" in said
+    assert code == 0 and "side_1 to side_6" in said
+    assert "add to the file: BSURFS, or shells (CQUAD4" in said
+    assert main(["check", str(scene)]) == 0
+    capsys.readouterr()
+    support = (
+        '[[support]]  # TO BE REPLACED: an example that holds all of a surface\non = "side_1"\n'
+    )
+    text = scene.read_text()
+    assert support in text
+    scene.write_text(text.replace(support, "").replace("displacement = {", "# {"))
     assert main(["check", str(scene)]) == 2
     said = capsys.readouterr()
     assert "can be run" not in said.out

@@ -60,6 +60,8 @@ class ContactLaw:
     Attributes:
         kind: As scenes and results name it.
         model: What it models, in words.
+        exact_model: The same of an answer that has neither penalty nor smoothing; empty where
+            these are no part of it.
         checks: Names of the checks of ``trust/run_checks.py`` that judge it.
         state: Arrays at the points that it keeps from load step to load step, its attributes.
             They are saved, gone back to, restarted, written and drawn by what is said here.
@@ -71,6 +73,7 @@ class ContactLaw:
 
     kind: ClassVar[str] = ""
     model: ClassVar[str] = ""
+    exact_model: ClassVar[str] = ""
     checks: tuple[str, ...] = ()
     state: tuple[PointArray, ...] = ()
 

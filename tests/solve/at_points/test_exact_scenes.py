@@ -127,6 +127,7 @@ def test_glued_bars_are_one() -> None:
     lower, upper = Box("lower", (0, -1), (1, 0), (3, 2)), Box("upper", (0, 0), (1, 1), (4, 2))
     found = run(errors_off(scene), body=boxes((lower, upper)))
     assert found.passed
+    assert "bonded contact on upper.y0" in found.model.terms
     force = found.reactions["upper.y1"].reaction[1]
     assert force == pytest.approx(MODULUS * DEPTH / 2, rel=1e-10)
 
@@ -145,6 +146,11 @@ def test_load_steps_of_the_incremental_law() -> None:
     smooth, exact = (run(errors_off(scene, strategy=s), body=body) for s in ("auto", "exact"))
     assert smooth.passed
     assert exact.passed
+    assert smooth.model.terms[-2:] == [
+        "unilateral contact (penalty) on y0",
+        "regularised friction on y0",
+    ]
+    assert exact.model.terms[-2:] == ["unilateral contact on y0", "friction on y0"]
     for one, other in zip(smooth.steps, exact.steps, strict=True):
         for name in ("normal_force", "friction_work", "stick_area"):
             value = one.quantities[name]

@@ -29,6 +29,7 @@ class RegularisedFriction(FrictionLaw):
     """j_ε (paper, (2.7)), bounded by a rule; which slip it acts on, classes derived from it say."""
 
     model: ClassVar[str] = "regularised friction"
+    exact_model: ClassVar[str] = "friction"
     has_friction: ClassVar[bool] = True
     carries_shear: ClassVar[bool] = True
     checks: tuple[str, ...] = (

@@ -29,6 +29,7 @@ class Unilateral(PenaltyLaw):
 
     kind: ClassVar[str] = "unilateral"
     model: ClassVar[str] = "unilateral contact (penalty)"
+    exact_model: ClassVar[str] = "unilateral contact"
 
     @staticmethod
     def density(depth: Expr, jump: Expr, **fields: Expr) -> Expr:
@@ -115,6 +116,7 @@ class Bonded(PenaltyLaw):
 
     kind: ClassVar[str] = "bonded"
     model: ClassVar[str] = "bonded contact (penalty)"
+    exact_model: ClassVar[str] = "bonded contact"
     sticks: ClassVar[bool] = True
     pushes_only: ClassVar[bool] = False
     checks: tuple[str, ...] = ("penetration_depth",)
