@@ -20,15 +20,18 @@ import ufl
 from dolfinx import fem
 from ufl.core.expr import Expr
 
+from fenics_contact.body.cyclic.coupled_points import axis_of_point
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.description import CoupledGroup, Joint
 from fenics_contact.body.preloaded_part import ScalarForces
 from fenics_contact.body.spaces import Spaces, summed_over_ranks, surface_integrals
+from fenics_contact.body.supports import HeldDofs
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.scene.loading.couplings import Way, ways_of
-from fenics_contact.scene.values import AXES
+from fenics_contact.scene.values import AXES, AxisName
 
 
 class CoupledFace:
@@ -43,18 +46,31 @@ class CoupledFace:
         reach: By which a rotation is multiplied to be a displacement (length).
         fields: Displacement of a unit of each way, 0 elsewhere, (ways, nodes, components).
         size: Its area, over the thickness or the whole ring as for loads.
-        centroid: Of the boundary, (components,) (length).
+        centroid: Of the boundary and of its images that have the same point, (components,)
+            (length).
+        barred: Ways that symmetry keeps at 0, as the boundary and its images have one point.
+        along: The axis of a ring that the point is on, of which the body is a sector; None
+            elsewhere.
 
     Args:
         described: As in the scene.
         key: Where, for messages.
         spaces: Those of the body.
+        held: Planes of symmetry.
+        cut: The cut faces of a sector, or None.
 
     Raises:
-        InputError: The group is no boundary, or has no area.
+        InputError: The group is no boundary, or has no area, or cannot move so in a sector.
     """
 
-    def __init__(self, described: CoupledGroup, key: str, spaces: Spaces) -> None:
+    def __init__(
+        self,
+        described: CoupledGroup,
+        key: str,
+        spaces: Spaces,
+        held: HeldDofs,
+        cut: CutFaces | None,
+    ) -> None:
         self.described, self.spaces, size = described, spaces, spaces.components
         group = spaces.body.boundary(described.on, f"{key}.on")
         nodes = self.nodes = spaces.nodes(group).astype(np.int64)
@@ -73,6 +89,15 @@ class CoupledFace:
             unit = np.eye(3)[AXES.index(axis)]
             moved = unit if kind == "displacement" else np.cross(unit, arms) / self.reach
             field[nodes] = np.broadcast_to(moved, arms.shape)[:, :size]
+        mirrored = {AXES[axis] for axis in held.reached_planes(nodes)}
+        self.barred = {way for way in self.ways if _is_mirrored(way, mirrored)}
+        self.along: AxisName | None = None
+        if cut is not None:
+            self.along = axis_of_point(cut, described, key, self.at, nodes)
+        if cut is not None and self.along is not None:
+            self.barred |= {way for way in self.ways if way[1] != self.along}
+            self.centroid = cut.on_axis(self.centroid)
+            self.fields = np.array([cut.followed(field) for field in self.fields])
 
     def amount(self, way: Way, value: float) -> float:
         """The scalar of a way from a displacement or a rotation (length, radian)."""
@@ -81,6 +106,12 @@ class CoupledFace:
     def work(self, way: Way, value: float) -> float:
         """The force on the scalar of a way from a force or a moment."""
         return value if way[0] == "displacement" else value / self.reach
+
+
+def _is_mirrored(way: Way, mirrored: AbstractSet[AxisName]) -> bool:
+    """Whether a way is kept at 0 by planes of symmetry across some axes."""
+    kind, axis = way
+    return axis in mirrored if kind == "displacement" else bool(mirrored - {axis})
 
 
 # Of the largest moment of inertia of a surface: it is as thin as a line.
@@ -98,24 +129,21 @@ class SpreadForces:
         face: The boundary, and the ways of its point.
         key: Where, for messages.
         spaces: Those of the body.
-        mirrors: Axes across the planes of symmetry that it reaches: moments that the mirror image
-            of the boundary takes away are those of the planes.
 
     Raises:
         InputError: The boundary is as thin as a line, about which no traction turns it.
     """
 
-    def __init__(
-        self, face: CoupledFace, key: str, spaces: Spaces, mirrors: AbstractSet[int]
-    ) -> None:
+    def __init__(self, face: CoupledFace, key: str, spaces: Spaces) -> None:
         self._spaces, self._face, size = spaces, face, spaces.components
         mesh = spaces.body.mesh
         self._uniform = fem.Constant(mesh, np.zeros(size))
         self._linear = fem.Constant(mesh, np.zeros((size, size)))
         test = ufl.TestFunction(spaces.displacement_space)
         self._form = form_cache.form(self._work(self._uniform, self._linear, test))
-        turns = [AXES.index(axis) for kind, axis in face.ways if kind == "rotation"]
-        turns = [axis for axis in turns if not mirrors - {axis}]
+        # Moments that images of the boundary take away are those of symmetry.
+        ways = [way for way in face.ways if way not in face.barred]
+        turns = [AXES.index(axis) for kind, axis in ways if kind == "rotation"]
         matrices = [_turn(axis)[:size, :size] for axis in turns]
         turned = [self._assembled(np.zeros(size), one) for one in matrices]
         about = self._inverse(turned, matrices, key)

@@ -33,6 +33,7 @@ from fenics_contact.body.coupled_face import (
     SpreadForces,
     point_forces,
 )
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.description import BodyDescription, HeatedGroup, Joint
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
@@ -94,6 +95,7 @@ class ElasticBody:
         spaces: Spaces,
         displacement: fem.Function,
         held: HeldDofs,
+        cut: CutFaces | None = None,
     ) -> None:
         self._spaces = spaces
         self.displacement = displacement
@@ -126,13 +128,11 @@ class ElasticBody:
             forms.assembled() for forms in self._forms_of_parts
         ]
         self.faces = [
-            CoupledFace(each, f"coupling[{number}]", spaces)
+            CoupledFace(each, f"coupling[{number}]", spaces, held, cut)
             for number, each in enumerate(description.couplings)
         ]
         self.spreads = [
-            None
-            if face.described.is_rigid
-            else SpreadForces(face, f"coupling[{n}]", spaces, held.reached_planes(face.nodes))
+            None if face.described.is_rigid else SpreadForces(face, f"coupling[{n}]", spaces)
             for n, face in enumerate(self.faces)
         ]
         self.ties = sum(len(one.nodal) for one in self.spreads if one is not None)

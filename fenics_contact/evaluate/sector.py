@@ -49,10 +49,10 @@ def sector_record(forces: InternalForces, quantities: Quantities) -> SectorRecor
         for name in _SUMS
         if (value := quantities.get(name)) is not None
     }
-    torque, along = _about_axis(problem, cut, forces.reactions)
-    whole["torque"] = sectors * torque
-    if problem.spaces.components == 3:
-        whole["axial_force"] = sectors * along
+    couplings = _of_couplings(forces, cut)
+    of_supports = np.array(_about_axis(problem, cut, forces.reactions))
+    of_supports = of_supports - np.sum([*couplings.values(), (0.0, 0.0)], axis=0)
+    whole |= _named(sectors * of_supports, problem)
     owned = slice(0, problem.spaces.owned_nodes)
     return SectorRecord(
         sectors=sectors,
@@ -62,7 +62,28 @@ def sector_record(forces: InternalForces, quantities: Quantities) -> SectorRecor
         force=total(problem.comm, on[owned].sum(axis=0)).tolist(),
         moment=_about_axis(problem, cut, on)[0],
         whole=whole,
+        couplings={name: _named(sectors * found, problem) for name, found in couplings.items()},
     )
+
+
+def _named(works: Array, problem: Problem) -> dict[str, float]:
+    """Moment about the axis and in space the force along it by their names in results."""
+    names = ("torque", "axial_force")[: problem.spaces.components - 1]
+    return {name: float(value) + 0.0 for name, value in zip(names, works, strict=False)}
+
+
+def _of_couplings(forces: BulkForces, cut: CutFaces) -> dict[str, Array]:
+    """Moment about the axis, and force along it, on the sector by each coupling; collective."""
+    problem, found = forces.problem, dict[str, Array]()
+    size = problem.spaces.components
+    for number, face in zip(problem.couplings, problem.elastic.faces, strict=True):
+        force, arm, moment = np.zeros((3, 3))
+        force[:size] = forces.of_supports[number]
+        arm[:size] = face.at - cut.centre[:size]
+        moment[3 - forces.moments_of_supports.shape[1] :] = forces.moments_of_supports[number]
+        label = problem.applied_supports[number].label
+        found[label] = np.array([(moment + np.cross(arm, force)) @ cut.axis, force @ cut.axis])
+    return found
 
 
 def _about_axis(problem: Problem, cut: CutFaces, nodal: Array) -> tuple[float, float]:

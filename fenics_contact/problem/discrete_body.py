@@ -66,7 +66,8 @@ class DiscreteBody:
         if sector is not None:
             mortar = CutProjection(self.spaces, sector.on, sector.against).shares
             self.cut = CutFaces(sector, self.spaces, mortar)
-        self.elastic = ElasticBody(description, self.spaces, self.displacement, self.held)
+        known = self.spaces, self.displacement, self.held, self.cut
+        self.elastic = ElasticBody(description, *known)
         self.is_kept = False
         self.found: dict[Hashable, Any] = {}
         named = [

@@ -275,17 +275,14 @@ def couplings(forces: InternalForces) -> Check | None:
 
 
 def _given_motions(forces: InternalForces) -> Check | None:
-    """Motions of couplings against those given, over the largest of both; collective."""
-    problem = forces.problem
-    compared = [
-        (scalar.held, state.value)
-        for scalar, state in zip(problem.body_scalars, forces.scalar_states(), strict=True)
-        if scalar.check == "coupling" and scalar.is_locked and scalar.held is not None
-    ]
+    """Motions of couplings against those given, over the largest motion; collective."""
+    every = zip(forces.problem.body_scalars, forces.scalar_states(), strict=True)
+    moved = [(one, state.value) for one, state in every if one.check == "coupling"]
+    compared = [(one.held, value) for one, value in moved if one.is_locked and one.held is not None]
     if not compared:
         return None
     asked, found = np.array(compared).T
-    size = float(np.abs([*asked, *found]).max()) or 1.0
+    size = float(np.abs([*asked, *(value for _, value in moved)]).max()) or 1.0
     return Check(float(np.abs(found - asked).max()) / size, _NO_MOTION, kind="motion")
 
 

@@ -11,6 +11,7 @@ from fenics_contact import (
     Coupling,
     Load,
     Material,
+    Modes,
     Obstacle,
     Path,
     Point,
@@ -381,3 +382,25 @@ def test_a_rigid_face_shares_no_point_with_it():
     both = (Coupling("y1", kind="distributing"), Coupling("x1"))
     with refused("rigid_and_mean_share_points"):
         run(punch(coupling=both, contact=()), body=plate(6))
+
+
+def test_a_mass_at_a_plane_of_symmetry():
+    """Modes of a half are those of the whole that are symmetric: its mass moves along the plane."""
+    found = []
+    for half in (False, True):
+        mass = 2.0 * (0.5 if half else 1.0)
+        scene = Scene(
+            kinematics="plane strain",
+            material=Material(1000, 0.3, density=0.5),
+            support=(Support("y0", {"x": 0, "y": 0}),),
+            symmetry=("x0",) if half else (),
+            coupling=(Coupling("y1", kind="distributing", at=(1.0, 3.0), mass=mass),),
+            modes=Modes(3 if half else 9),
+            solver=SolverSettings(errors="none"),
+        )
+        body = box_body((3 if half else 6, 6), (1 if half else 2, 3))
+        body.mesh.geometry.x[:, 0] += 1.0 if half else 0.0
+        modes = run(scene, body=body).modes
+        found.append([mode.natural_frequency for mode in modes])
+    for frequency in found[1]:
+        assert min(abs(frequency / other - 1) for other in found[0]) < 1e-9

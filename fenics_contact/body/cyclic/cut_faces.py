@@ -24,8 +24,8 @@ from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
 _NONE = 1e-14
 # Of the largest displacement of supports.
 _SAME_VALUE = 1e-9
-# Of the extent of the faces: how near the axis a node is on it.
-_ON_AXIS = 1e-9
+# Of the extent of the faces: how near the axis a node is on it, and a point that users give.
+_ON_AXIS, _GIVEN_ON_AXIS = 1e-9, 1e-6
 
 
 class CutFaces:
@@ -123,6 +123,38 @@ class CutFaces:
         entries = np.concatenate([free, held]), np.concatenate([free, ahead])
         shape = (count * size, count * size)
         return csr_matrix(coo_matrix((values, entries), shape=shape)), held
+
+    @property
+    def tolerance(self) -> float:
+        """How near the axis a point that users give is on it (length)."""
+        return _GIVEN_ON_AXIS * self._extent
+
+    def on_axis(self, place: Array) -> Array:
+        """The point of the axis nearest to a place, (components,) (length)."""
+        size = len(place)
+        axis, centre = self.axis[:size], self.centre[:size]
+        return np.asarray(centre + ((place - centre) @ axis) * axis)
+
+    def reached_by(self, nodes: Integers) -> tuple[bool, bool]:
+        """Whether some nodes are in the cut, and whether both faces have them alike; collective.
+
+        Args:
+            nodes: Of a set (local indices, owned and ghost).
+
+        Returns:
+            Both; the second is that a node which follows is in the set just if all those are that
+            it follows from.
+        """
+        inside = np.zeros((len(self._spaces.coordinates), self._spaces.components))
+        inside[nodes] = 1.0
+        on, against = (
+            dofs.gathered(inside.reshape(-1)) > 0 for dofs in (self.slaves, self.masters)
+        )
+        shares = abs(self.matrix)
+        outside = shares @ (~against).astype(np.float64) > 0
+        follows = shares @ np.ones(len(against)) > 0  # nodes on the axis have components that rest
+        is_alike = bool((on != outside)[follows].all())
+        return bool(on.any() or against.any()), is_alike
 
     def shares_among(self, numbers: Integers) -> tuple[Integers, csr_matrix]:
         """Nodes off the axis that follow from others of the same set, and shares of these in them.

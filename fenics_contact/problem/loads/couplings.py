@@ -67,7 +67,7 @@ class PointMotion(BodyScalar):
         super().__init__(f"{'.'.join(way)} of {scene.label}", forces)
         self.scene, self.way, self._face = scene, way, face
         self._path = KeyedPath(scene.path, f"{key}.path")
-        self._is_given = is_mirrored or way in scene.given
+        self._is_given, self._is_mirrored = is_mirrored or way in scene.given, is_mirrored
         self._amount = 0.0 if is_mirrored else face.amount(way, scene.given.get(way, 0.0))
         self._work = face.work(way, scene.acting.get(way, 0.0))
         self._factor, self._besides, self._weight = 0.0, 0.0, 0.0
@@ -151,7 +151,7 @@ class PointMotion(BodyScalar):
 
     def momentum(self, velocity: Array) -> Array | None:
         """What the mass at the point adds to M v of nodal velocities; None for none; collective."""
-        if self.scene.mass is None or self.way[0] == "rotation":
+        if self.scene.mass is None or self.way[0] == "rotation" or self._is_mirrored:
             return None
         (along,) = self.ways_in(velocity[..., None])
         return np.asarray(self.scene.mass * along * self._measured)
@@ -235,10 +235,12 @@ class FaceMotion(PointMotion):
     def _measured(self) -> Array:
         """By least squares over the nodes of the face."""
         face, own = self._face, slice(self._face.spaces.owned_nodes)
-        fields = face.fields[:, own]
+        every = np.zeros_like(face.fields)
+        every[:, face.nodes] = face.fields[:, face.nodes]
+        fields = every[:, own]
         gram = np.asarray(total(face.spaces.comm, np.einsum("inc,jnc->ij", fields, fields)))
         row = np.linalg.pinv(gram, hermitian=True)[face.ways.index(self.way)]
-        return np.tensordot(row, face.fields, 1)
+        return np.tensordot(row, every, 1)
 
 
 class MeanMotion(PointMotion):
@@ -347,26 +349,18 @@ def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
     Each has one for each way of each coupling, in its order; collective.
 
     Raises:
-        InputError: A motion is given that symmetry does not allow.
+        InputError: A motion or a force is given that symmetry does not allow.
     """
     elastic, forces_found, found = problem.elastic, list[ScalarUnknown](), list[ScalarUnknown]()
     every = iter(elastic.of_points)
     ties = [next(every) for _ in range(elastic.ties)]
-    held, spread_forces = problem.supports.held, iter(cast(list[PointForces], ties))
+    spread_forces = iter(cast(list[PointForces], ties))
     rows = zip(problem.scene.coupling, elastic.faces, elastic.spreads, strict=True)
     for number, (coupling, face, spread) in enumerate(rows):
         key = f"coupling[{number}]"
-        mirrored = {AXES[axis] for axis in held.reached_planes(face.nodes)}
+        _require_allowed(coupling, key, face)
         for place, way in enumerate(face.ways):
-            kind, axis = way
-            across = axis in mirrored if kind == "displacement" else bool(mirrored - {axis})
-            if across and coupling.given.get(way, 0.0) != 0:
-                raise InputError(
-                    f"coupling[{number}].{kind}.{axis} = {coupling.given[way]:g}: the boundary "
-                    "reaches a plane of symmetry, and is one with its mirror image, so that it "
-                    "cannot move so; leave it out"
-                )
-            forces = next(every)
+            across, forces = way in face.barred, next(every)
             if spread is None:
                 own = cast(MotionForces, forces)
                 found.append(FaceMotion(coupling, key, face, way, own, across))
@@ -376,6 +370,33 @@ def face_motions(problem: KnownProblem) -> list[ScalarUnknown]:
             found.append(motion)
             forces_found.append(SpreadForce(motion, face, spread, next(spread_forces), across))
     return [*forces_found, *found]
+
+
+def _require_allowed(coupling: Coupling, key: str, face: CoupledFace) -> None:
+    """Refuse motions that symmetry keeps at 0, and forces that copies in a ring take away.
+
+    Raises:
+        InputError: One is given.
+    """
+    why = "the boundary reaches a plane of symmetry, and is one with its mirror image"
+    if face.along is not None:
+        why = (
+            "the point is on the axis of cyclic_symmetry, and is one with its copies in the other "
+            f"sectors: {face.along} is along the axis"
+        )
+    for way in sorted(face.barred):
+        kind, axis = way
+        if coupling.given.get(way, 0.0) != 0:
+            raise InputError(
+                f"{key}.{kind}.{axis} = {coupling.given[way]:g}: {why}, so that it cannot move so; "
+                "leave it out"
+            )
+        if face.along is not None and coupling.acting.get(way, 0.0) != 0:
+            force = "force" if kind == "displacement" else "moment"
+            raise InputError(
+                f"{key}.{force} along {axis} = {coupling.acting[way]:g}: {why}, and of all sectors "
+                "together there is no such force; leave it out"
+            )
 
 
 class CoupledMotions:

@@ -276,7 +276,11 @@ class SectorRecord(Record):
         whole: Name → number of the whole ring: of quantities that add up over the sectors, and
             `torque` and in 3D `axial_force`, of the reactions of all supports about the axis and
             along it.
+        couplings: Coupling → `torque` and in 3D `axial_force` of the forces on its copies in all
+            sectors together.
     """
+
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"couplings"})
 
     sectors: int
     axis: list[float]
@@ -285,6 +289,7 @@ class SectorRecord(Record):
     force: list[float]
     moment: float
     whole: Mapping[str, float]
+    couplings: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 #: The records of scalar unknowns that results name: one class for each kind.

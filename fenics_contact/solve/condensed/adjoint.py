@@ -267,12 +267,11 @@ class Multipliers:
         found = -stiffness.forces(self.unknowns)
         if self._body is not None:
             found += self._body.displacement
-        if (cut := self._problem.discrete.cut) is not None:
-            found = cut.folded(found)
         scalars = self._problem.body_scalars
         for value, scalar in zip(self._of_body_scalars, scalars, strict=True):
             found -= value * scalar.forces_on_body.nodal
-        return found
+        cut = self._problem.discrete.cut
+        return found if cut is None else cut.folded(found)
 
     @property
     def kept_scalars(self) -> Array:
