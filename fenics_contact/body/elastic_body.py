@@ -37,7 +37,7 @@ from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.description import BodyDescription, HeatedGroup, Joint
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
-from fenics_contact.body.preloaded_part import PreloadedPart, ScalarForces, ScalarForms
+from fenics_contact.body.preloaded_part import PreloadedPart, ScalarColumns, ScalarForces, ScalarForms
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.springs import springs_of
 from fenics_contact.body.supports import HeldDofs
@@ -245,6 +245,13 @@ class ElasticBody:
     def has_free_strains(self) -> bool:
         """Whether parts have a strain that is free of stress."""
         return bool(self._parts)
+
+    @property
+    def columns(self) -> ScalarColumns:
+        """Columns of the scalars in the equations of statics."""
+        forces = self.scalar_forces
+        nodal, stresses = [one.nodal for one in forces], [one.on_mean_stress for one in forces]
+        return ScalarColumns(nodal, stresses, self.scalar_stiffness)
 
     @property
     def of_points(self) -> list[ScalarForces]:

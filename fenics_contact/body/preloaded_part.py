@@ -164,6 +164,21 @@ class ScalarForces:
 
 
 @dataclass(frozen=True, eq=False)
+class ScalarColumns:
+    """What units of the scalars of the body's energy do in a system.
+
+    Attributes:
+        nodal: Forces on the displacements, (nodes, components) each (force/length).
+        on_mean_stress: On a mean stress at its dofs of this rank, each; empty without one (area).
+        corner: Forces on the scalars, (scalars, scalars) (force/length).
+    """
+
+    nodal: Sequence[Array]
+    on_mean_stress: Sequence[Array]
+    corner: Array
+
+
+@dataclass(frozen=True, eq=False)
 class ScalarForms:
     """Compiled forms of the second derivatives of the body's energy in a scalar q.
 

@@ -23,7 +23,7 @@ from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.space import SurfaceSpace
 from fenics_contact.problem.problem import Problem
-from fenics_contact.problem.scalar_unknown import ScalarState
+from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
 from fenics_contact.solve.systems.solution import Solution
 
 
@@ -144,6 +144,12 @@ class InternalForces(ABC):
     @abstractmethod
     def displacement(self) -> Array:
         """Displacement of contacts and of held dofs at least, (nodes, components) (length)."""
+
+    def scalar_balances(self) -> list[tuple[BodyScalar, float, float]]:
+        """The body's scalars with the force on each as asked, and as the body needs it (force)."""
+        problem, states = self.problem, self.scalar_states()
+        rows = zip(problem.body_scalars, states, problem.pull_of_joints(states), strict=True)
+        return [(one, one.force, state.force + float(pull)) for one, state, pull in rows]
 
     @property
     @abstractmethod

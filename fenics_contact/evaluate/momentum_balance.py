@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.moving import moving
 from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.scalar_unknown import BodyScalar
 from fenics_contact.quantities.names import (
     CONTACT_FORCE,
     DAMPING_WORK,
@@ -70,7 +72,8 @@ class MovingForces(BulkForces):
         moved = self.displacement - state.displacement
         acting = state.load + self.load - self.inertia.missing
         loads = 0.5 * self._summed(acting * moved)
-        return loads, self._summed(self.reactions * moved) - self._work_of_kinks()
+        held = self._summed(self.reactions * moved) - self._work_of_kinks()
+        return loads, held + self._work_at_points(moved)
 
     def _work_of_kinks(self) -> float:
         """Work that supports do less than their mean force times the way (energy); collective.
@@ -79,18 +82,40 @@ class MovingForces(BulkForces):
         once, by an impulse at the mean of the velocities before and after it.
         """
         jumped = self._step.velocity - self.inertia.state.velocity
-        change = np.where(self.problem.free, 0.0, jumped)
-        return 0.5 * self._summed(change * self.inertia.masses.times(change))
+        momenta = self.inertia.masses.times(jumped) + self.inertia.points.momenta(jumped)
+        return 0.5 * self._summed(self.inertia.of_given(jumped) * momenta)
+
+    def _work_at_points(self, moved: Array) -> float:
+        """Work on points besides that of what they push their faces with (energy); collective."""
+        asked, _, pushed = self._on_points
+        return float((asked - pushed) @ self.inertia.points.along(moved))
+
+    @cached_property
+    def _on_points(self) -> tuple[Array, Array, Array]:
+        """Mean forces on points in the step, as asked and as found, and on their faces (force)."""
+        points = self.inertia.points
+        pushed = points.pushed(self._rigid_reactions, self.solution.scalars)
+        ends = self.displacement, self._step.velocity
+        return *points.mean_forces(self.inertia.state, ends, pushed), pushed
+
+    def scalar_balances(self) -> list[tuple[BodyScalar, float, float]]:
+        """The body's scalars with the forces on them, of points with the means of the step."""
+        asked, found, _ = self._on_points
+        every = zip(self.inertia.points.every, asked, found, strict=True)
+        of_points = {one: (float(a), float(f)) for one, a, f in every}
+        rows = super().scalar_balances()
+        return [(one, *of_points.get(one, (a, f))) for one, a, f in rows]
 
     def quantities(self) -> dict[str, Any]:
         """Quantities of the whole model besides those of statics; collective."""
-        spaces = self.problem.spaces
+        spaces, velocity = self.problem.spaces, self._step.velocity
+        momenta = self.momenta + self.inertia.points.momenta(velocity)
         damped = {} if self.inertia.damping is None else {DAMPING_WORK: self._step.drag.lost}
         return {
             KINETIC_ENERGY: self.inertia.kinetic_energy(self._step.velocity),
             **self.inertia.masses.quantities(self._step.velocity),
             **damped,
-            MOMENTUM: resultant(spaces, self.momenta[: spaces.owned_nodes]).tolist(),
+            MOMENTUM: resultant(spaces, momenta[: spaces.owned_nodes]).tolist(),
         }
 
 

@@ -69,6 +69,10 @@ class Inertia(ABC):
         """Energy stored at time 0, and kinetic energy when the step begins (energy); collective."""
 
     @abstractmethod
+    def follow_points(self) -> None:
+        """Give points of couplings what the step begins from, once these have its time."""
+
+    @abstractmethod
     def follow_velocities(self) -> None:
         """Let friction count from where no velocity is left at the end of the step; collective."""
 
@@ -121,6 +125,9 @@ class AtRest(Inertia):
     def motions(self) -> Array:
         """None, (contacts, components) (length)."""
         return np.zeros_like(self.first.pressures)
+
+    def follow_points(self) -> None:
+        """They begin from nothing."""
 
     def follow_velocities(self) -> None:
         """There are none."""

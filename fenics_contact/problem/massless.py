@@ -134,6 +134,12 @@ def _across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces, held: F
     return found
 
 
+def touching_nodes(contact: ContactSurface, spaces: Spaces) -> Flags:
+    """Which nodes of this rank have a normal of a one-sided contact, (nodes,); collective."""
+    none = np.zeros((len(spaces.coordinates), spaces.components), dtype=bool)
+    return np.asarray(np.einsum("nii->n", _across_contacts([contact], spaces, none)) > 0)
+
+
 def _add_normals(trace: Trace, held: Flags, found: Array) -> None:
     """Normals of a surface to projections at the body's nodes; collective."""
     at_nodes = trace.at_all_nodes(trace.normals[: len(trace.nodes)])

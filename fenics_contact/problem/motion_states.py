@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.body.preloaded_part import ScalarColumns
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
@@ -26,10 +27,12 @@ class StepStiffness:
     Attributes:
         nodal: (nodes, components, components) (force/length).
         of_bulk: Factor of K.
+        scalars: Its columns of the body's scalars; None where these are those of statics.
     """
 
     nodal: Array
     of_bulk: float = 1.0
+    scalars: ScalarColumns | None = None
 
 
 @dataclass(frozen=True, eq=False)

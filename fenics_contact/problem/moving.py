@@ -28,6 +28,8 @@ from fenics_contact.common.parallel import total
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.damping import damping_of
 from fenics_contact.problem.inertia import Inertia
+from fenics_contact.problem.loads.couplings import OF_FLIGHT
+from fenics_contact.problem.loads.moving_points import MovingPoints
 from fenics_contact.problem.massless import ContactMasses, FreeModes, ModalMasses
 from fenics_contact.problem.motion_states import (
     Drag,
@@ -41,13 +43,12 @@ from fenics_contact.problem.motion_states import (
     first_velocity,
     follow,
 )
+from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.loading.motion import Motion
 
 # Of what is brought into a motion: beyond that, steps that leave more open have its energy wrong.
 _MOST_OPEN = 0.1
-# Of forces of inertia, which in small steps are far larger than what bodies exert on each other.
-_OF_FLIGHT = 1e-3
 
 
 class MovingInertia(Inertia):
@@ -56,6 +57,7 @@ class MovingInertia(Inertia):
     Attributes:
         size: Length of a step (time).
         masses: Of the nodes.
+        points: Of couplings, with their masses.
         damping: What takes energy out, None where nothing does.
         stiffness: The matrix of a step, A.
         state: At the begin of the present step.
@@ -67,10 +69,12 @@ class MovingInertia(Inertia):
         elastic: The body.
         spaces: Likewise.
         contacts: Of the problem, which follow velocities from now on.
-        constrained: Dofs that supports hold (local indices, owned and ghost).
+        held: Dofs that supports hold (local indices, owned and ghost), without coupled faces.
+        scalars: Of the body.
 
     Raises:
-        InputError: A density is missing, or a group of a velocity, or cells are too few.
+        InputError: A density is missing, or a group of a velocity, or cells are too few; or a
+            velocity moves a coupled face that is held.
     """
 
     moves = True
@@ -85,15 +89,17 @@ class MovingInertia(Inertia):
         elastic: ElasticBody,
         spaces: Spaces,
         contacts: Sequence[ContactSurface],
-        constrained: Integers,
+        held: Integers,
+        scalars: Sequence[BodyScalar],
     ) -> None:
         self.size = motion.size
         self._spaces, self._contacts = spaces, contacts
+        self.points = MovingPoints(motion, scalars, elastic, spaces)
         density = Mass(materials, spaces)
         shape = (len(spaces.coordinates), spaces.components)
-        held = np.zeros(shape[0] * shape[1], dtype=bool)
-        held[constrained] = True
-        self._held = held.reshape(shape)
+        is_held = np.zeros(shape[0] * shape[1], dtype=bool)
+        is_held[held] = True
+        self._held = is_held.reshape(shape)
         masses = ContactMasses(density.lumped(), contacts, spaces, self._held)
         self.masses: ContactMasses | ModalMasses = masses
         inertial = masses.blocks * (4 / self.size**2)
@@ -102,6 +108,7 @@ class MovingInertia(Inertia):
         self.damping = damping_of(*known)
         if self.damping is not None:
             self.stiffness = self.damping.added_to(inertial)
+        self.stiffness = self.points.columns(self.stiffness)
         for contact in contacts:
             contact.act_in_motion()
         self._found: tuple[MovingState, Array, StepForces] | None = None
@@ -110,7 +117,7 @@ class MovingInertia(Inertia):
         self.state = MovingState(
             time=0.0,
             displacement=none,
-            velocity=np.where(self._held, 0.0, first_velocity(motion, spaces)),
+            velocity=self._first_velocity(motion),
             internal=none,
             load=none,
             pressed=none,
@@ -119,6 +126,14 @@ class MovingInertia(Inertia):
             drag=Drag(none, none),
         )
         self.first = FirstState(0.0, np.zeros_like(self.state.motions), (0.0,) * len(contacts))
+
+    def _first_velocity(self, motion: Motion) -> Array:
+        """At time 0, (nodes, components) (length/time)."""
+        points = self.points
+        found = points.of_rigid(np.where(self._held, 0.0, first_velocity(motion, self._spaces)))
+        found = found - points.of_given(found)
+        points.require_held_at_rest(found)
+        return found
 
     def modes(self, find: Callable[[ContactMasses, Flags], FreeModes]) -> FreeModes:
         """Let the bodies move in modes alone, by the matrix K of statics; collective.
@@ -238,6 +253,7 @@ class MovingInertia(Inertia):
             velocity: Of the nodes, (nodes, components) (length/time).
         """
         own, momenta = slice(self._spaces.owned_nodes), self.masses.times(velocity)
+        momenta = momenta + self.points.momenta(velocity)
         return float(0.5 * total(self._spaces.comm, np.sum(velocity[own] * momenta[own])))
 
     @property
@@ -259,7 +275,7 @@ class MovingInertia(Inertia):
 
     def applied(self, effective: Array, load: Array) -> Array:
         """Sizes of forces that an imbalance is small against, not those of a flight (force)."""
-        return np.abs(load) + np.abs(self.state.internal) + _OF_FLIGHT * np.abs(effective)
+        return np.abs(load) + np.abs(self.state.internal) + OF_FLIGHT * np.abs(effective)
 
     def times(self, vectors: Array) -> Array:
         """4 M/Δt² times vectors at the nodes."""
@@ -277,13 +293,27 @@ class MovingInertia(Inertia):
             load: That is given at the end of the step (force).
         """
         state = self.state
-        found = load + self._left_at_begin[1] + self.times(self.predicted)
+        flown = self.predicted + self.points.lag(state)
+        found = load + self._left_at_begin[1] + self.times(flown)
         if self.damping is None:
             return found
         return found + self.damping.pull(state.displacement, state.internal, state.drag)
 
+    def follow_points(self) -> None:
+        """Give points of couplings what the step begins from, once these have its time."""
+        self.points.begin(self.state)
+
+    def of_given(self, vectors: Array) -> Array:
+        """The part of vectors at nodes along what supports and couplings give."""
+        return np.where(self._held, vectors, 0.0) + self.points.of_given(vectors)
+
     def forces(
-        self, displacement: Array, balanced: Array, load: Array, pressed: Array
+        self,
+        displacement: Array,
+        balanced: Array,
+        load: Array,
+        pressed: Array,
+        scalars: Sequence[ScalarState],
     ) -> StepForces:
         """Forces of a step, from the answer of its system; the same object for the same step.
 
@@ -292,19 +322,25 @@ class MovingInertia(Inertia):
             balanced: What its system makes of u₁: A u₁, or K u₁ where modes move (force).
             load: The ``effective_load`` that it was solved with (force).
             pressed: Forces of pressures at its end (force).
+            scalars: States of the body's scalars.
         """
         known = self._found
         if known is None or known[0] is not self.state or known[1] is not displacement:
-            found = self._forces(displacement, balanced, load, pressed)
+            found = self._forces(displacement, balanced, load, pressed, scalars)
             self._found = known = self.state, displacement, found
         return known[2]
 
     def _forces(
-        self, displacement: Array, balanced: Array, load: Array, pressed: Array
+        self,
+        displacement: Array,
+        balanced: Array,
+        load: Array,
+        pressed: Array,
+        scalars: Sequence[ScalarState],
     ) -> StepForces:
         """Forces of a step; see ``forces``."""
         stiffness = self.stiffness
-        added = np.einsum("nij,nj->ni", stiffness.nodal, displacement)
+        added = np.einsum("nij,nj->ni", stiffness.nodal, displacement) + self.points.tied(scalars)
         internal = (balanced - added) / stiffness.of_bulk
         velocity = self._velocity(displacement)
         if not self.masses.in_matrix:
@@ -328,14 +364,16 @@ class MovingInertia(Inertia):
             return np.zeros_like(internal), state.drag
         moved = displacement - state.displacement
         dragged, drag = self.damping.drag(moved, internal - state.internal, state.drag)
-        work = np.sum((dragged * moved)[: spaces.owned_nodes])
+        every = dragged + self.points.dragged(moved)
+        work = np.sum((every * moved)[: spaces.owned_nodes])
         return dragged, replace(drag, lost=drag.lost + float(total(spaces.comm, work)))
 
     def _velocity(self, displacement: Array) -> Array:
         """At the end of a step."""
         mean = (displacement - self.state.displacement) / self.size
         _, more = self.masses.split_motions(mean - self.state.velocity)
-        return np.where(self._held, mean, mean + more)
+        more = np.where(self._held, 0.0, more)
+        return mean + more - self.points.of_given(more)
 
 
 def moving(inertia: Inertia) -> MovingInertia:

@@ -30,6 +30,7 @@ from fenics_contact.problem.loads.acting_load import LoadSite
 from fenics_contact.problem.loads.disturbance import Disturbance, Drive
 from fenics_contact.problem.loads.spring_feet import SpringFeet
 from fenics_contact.problem.loads.temperatures import ThermalStrain
+from fenics_contact.problem.massless import touching_nodes
 from fenics_contact.problem.moving import MovingInertia
 from fenics_contact.problem.scalar_kinds import scalars_of
 from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
@@ -219,7 +220,9 @@ class Problem:
         if scene.motion is None:
             return self.inertia
         body = scene.material, self.elastic, self.spaces
-        found = MovingInertia(scene.motion, *body, self.contacts, self.constrained)
+        held = np.setdiff1d(self.constrained, self.coupled)
+        self._require_apart_from_couplings()
+        found = MovingInertia(scene.motion, *body, self.contacts, held, self.body_scalars)
         self._loads = [
             (found.masses.with_masses(nodal) if load.acting.is_of_volume else nodal, path)
             for load, (nodal, path) in zip(self.loads, self._loads, strict=True)
@@ -227,6 +230,26 @@ class Problem:
         self.set_time(0.0)
         found.begin(self.given_load)
         return found
+
+    def _require_apart_from_couplings(self) -> None:
+        """Refuse nodes of contacts that couplings move, where bodies move; collective.
+
+        Such a node would hit with all that is coupled, and rebound in every step anew.
+
+        Raises:
+            InputError: On every rank.
+        """
+        faces = zip(self.scene.coupling, self.elastic.faces, strict=True)
+        of_faces = [(coupling.label, face.nodes) for coupling, face in faces]
+        for number, contact in enumerate(self.contacts if of_faces else ()):
+            touching = touching_nodes(contact, self.spaces)
+            for label, nodes in of_faces:
+                if total(self.comm, int(touching[nodes].sum())):
+                    raise InputError(
+                        f"contact[{number}]: shares nodes with the coupling '{label}', which would "
+                        "hit with all of its mass, and not by the elasticity behind; where bodies "
+                        "move, leave a row of cells between both"
+                    )
 
     @property
     def acting_loads(self) -> list[tuple[str, Array, float]]:
@@ -420,11 +443,13 @@ class Problem:
                 self.given_load += more.at(now)
         for contact in self.contacts:
             contact.set_time(time)
-        self.load = self.inertia.effective_load(self.given_load)
-        self.inertia.follow_velocities()
         for scalar, besides in zip(self.body_scalars, self.scalar_disturbance, strict=True):
             scalar.set_time(time, float(besides))
-            scalar.follow_loads(self.given_load)
+        self.inertia.follow_points()
+        self.load = self.inertia.effective_load(self.given_load)
+        self.inertia.follow_velocities()
+        for scalar in self.body_scalars:
+            scalar.follow_loads(self.load)
         self.prescribed = self.supports.at(time)
         if self.far_field is not None:
             values = self.far_field.beyond.copy()

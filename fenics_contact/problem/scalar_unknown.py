@@ -284,6 +284,19 @@ class BodyScalar(ScalarUnknown):
     check: ClassVar[str] = "preload"
     has_slack: ClassVar[bool] = True
 
+    @property
+    def works(self) -> bool:
+        """Whether its work is besides that of nodal forces on the displacement."""
+        return True
+
+    def applied(self, found: float) -> float:
+        """Size of a force that an imbalance of its equation is small against (force).
+
+        Args:
+            found: The body's force on it, at the last residual.
+        """
+        return max(abs(self.force), abs(found))
+
     def __init__(self, label: str, forces: ScalarForces) -> None:
         self.label, self._forces = label, forces
         self._reached = 0.0
@@ -407,7 +420,7 @@ class BodyScalar(ScalarUnknown):
 
     def state_at(self, force: float, value: float) -> ScalarState:
         """State of the scalar in an answer with a force ∂W/∂q, at a value (force, length)."""
-        return ScalarState(force, value, self.is_locked)
+        return ScalarState(force, value, self.is_locked, self.works)
 
     def record(self, state: ScalarState) -> ScalarRecord | None:
         """Record of the scalar in an answer; None for nothing."""

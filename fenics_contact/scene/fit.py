@@ -204,8 +204,6 @@ def _require_couplings(scene: CoreScene) -> None:
         )
     if scene.coupling and scene.half_space is not None:
         raise ValueError("half_space: only the contacts' forces reach it, so leave out coupling")
-    if scene.coupling and scene.motion is not None:
-        raise ValueError("motion: not with a coupling, whose face has no mass of its own yet")
 
 
 def _require_centres(scene: CoreScene) -> None:
@@ -350,6 +348,12 @@ def _require_motion(scene: CoreScene) -> None:
             "motion.rayleigh.stiffness: not beside a preload, whose shortening it would resist as "
             "if it were a strain; give motion.rayleigh.mass"
         )
+    for number, coupling in enumerate(scene.coupling):
+        if not coupling.is_rigid and any(coupling.given.values()):
+            raise ValueError(
+                f"motion: coupling[{number}].kind = 'distributing': where bodies move, what is "
+                "given of its point is 0 or left out; kind = 'rigid' moves a boundary"
+            )
     _require_own_paths(scene)
     _require_free_modes(scene, motion)
     for number, contact in enumerate(scene.contact):
@@ -364,6 +368,7 @@ def _require_free_modes(scene: CoreScene, motion: Motion) -> None:
         "motion.rayleigh": motion.rayleigh is not None,
         "motion.absorbing": bool(motion.absorbing),
         "preload": bool(scene.preload),
+        "coupling": bool(scene.coupling),
     }
     for number, contact in enumerate(scene.contact):
         others[f"contact[{number}] with friction"] = contact.is_rough
@@ -386,6 +391,11 @@ def _require_own_paths(scene: CoreScene) -> None:
             f"preload[{number}].path": preload.path
             for number, preload in enumerate(scene.preload)
             if preload.locked_from is None
+        },
+        **{
+            f"coupling[{number}].path": coupling.path
+            for number, coupling in enumerate(scene.coupling)
+            if any((coupling.given | coupling.acting).values())
         },
     }
     for number, contact in enumerate(scene.contact):

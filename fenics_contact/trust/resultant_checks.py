@@ -295,17 +295,13 @@ def _given_forces(forces: InternalForces, check: str) -> Check | None:
         forces: Of the answer.
         check: Of which of the body's scalars; those that are locked do not count.
     """
-    problem, solution = forces.problem, forces.solution
-    states = forces.scalar_states()
-    rows = zip(problem.body_scalars, states, problem.pull_of_joints(states), strict=True)
-    chosen = [row for row in rows if row[0].check == check]
-    compared = [
-        (scalar.force, state.force + pull) for scalar, state, pull in chosen if not scalar.is_locked
-    ]
+    solution = forces.solution
+    chosen = [row for row in forces.scalar_balances() if row[0].check == check]
+    compared = [(asked, found) for scalar, asked, found in chosen if not scalar.is_locked]
     if not compared:
         return None
     asked, found = np.array(compared).T
-    locked = [state.force for scalar, state, _ in chosen if scalar.is_locked]
+    locked = [found for scalar, _, found in chosen if scalar.is_locked]
     size = float(np.abs([*asked, *found, *locked]).max()) or 1.0
     value = float(np.abs(found - asked).max()) / size
     return Check(value, _NO_FORCE + 2 * solution.imbalance_limit / size)

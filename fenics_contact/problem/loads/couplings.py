@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, cast
 
@@ -26,12 +27,30 @@ from fenics_contact.problem.scalar_unknown import (
     BodyScalar,
     KnownProblem,
     MassLoad,
-    ScalarState,
     ScalarUnknown,
 )
 from fenics_contact.scene.loading.couplings import Coupling, Way
 from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.values import AXES
+
+
+# Of forces of inertia, which in small steps are far larger than what bodies exert on each other.
+OF_FLIGHT = 1e-3
+
+
+@dataclass(frozen=True)
+class PointStep:
+    """What a point begins a step of motion from, along one way.
+
+    Attributes:
+        force: Of the right-hand side of its equation, besides what acts at the end (force).
+        acting: The part of it that acts at the begin (force).
+        start: Where the point would be at the end if no force acted (length).
+    """
+
+    force: float
+    acting: float
+    start: float
 
 
 class PointMotion(BodyScalar):
@@ -42,6 +61,7 @@ class PointMotion(BodyScalar):
 
     Attributes:
         way: Along or about which axis.
+        is_mirrored: Whether symmetry keeps it at 0, as the face and its mirror image are one.
 
     Args:
         scene: The coupling.
@@ -67,10 +87,11 @@ class PointMotion(BodyScalar):
         super().__init__(f"{'.'.join(way)} of {scene.label}", forces)
         self.scene, self.way, self._face = scene, way, face
         self._path = KeyedPath(scene.path, f"{key}.path")
-        self._is_given, self._is_mirrored = is_mirrored or way in scene.given, is_mirrored
+        self._is_given, self.is_mirrored = is_mirrored or way in scene.given, is_mirrored
         self._amount = 0.0 if is_mirrored else face.amount(way, scene.given.get(way, 0.0))
         self._work = face.work(way, scene.acting.get(way, 0.0))
         self._factor, self._besides, self._weight = 0.0, 0.0, 0.0
+        self._step: PointStep | None = None
         self._weights: list[tuple[float, Callable[[float], float]]] = []
 
     @property
@@ -89,12 +110,27 @@ class PointMotion(BodyScalar):
     @property
     def force(self) -> float:
         """Work over q of the coupling's force and of the weight of its mass (force)."""
-        return self._work * self._factor + self._weight + self._besides
+        before = 0.0 if self._step is None else self._step.force
+        return self._work * self._factor + self._weight + self._besides + before
+
+    def applied(self, found: float) -> float:
+        """Size of a force that an imbalance of its equation is small against (force)."""
+        if self._step is None:
+            return super().applied(found)
+        acting = max(abs(self.own_force), abs(self._step.acting))
+        return acting + OF_FLIGHT * max(abs(self.force), abs(found))
 
     @property
     def own_force(self) -> float:
         """Force and weight at the point without loads on the face; 0 where q is given (force)."""
         return 0.0 if self._is_given else self._work * self._factor + self._weight
+
+    def acting_at(self, time: float) -> float:
+        """Force and weight at the point at a time (force)."""
+        return self._work * self._path(time) + self._weight_at(time)
+
+    def _weight_at(self, time: float) -> float:
+        return sum(force * path(time) for force, path in self._weights)
 
     def force_factor(self, time: float) -> float:
         """The force on the scalar over the scene's force or moment; 0 where its motion is given."""
@@ -122,13 +158,19 @@ class PointMotion(BodyScalar):
 
     @property
     def start(self) -> float:
-        """The motion at which a load step begins (length)."""
-        return self._reached if self.held is None else self.held
+        """The motion at which Newton's method starts (length)."""
+        if self.held is not None:
+            return self.held
+        return self._reached if self._step is None else self._step.start
+
+    def take_step(self, step: PointStep) -> None:
+        """Take what a step of motion begins from."""
+        self._step = step
 
     def set_time(self, time: float, more: float = 0.0) -> None:
         """Bring force and given motion to a pseudo-time."""
         self._factor = self._path(time)
-        self._weight = sum(force * path(time) for force, path in self._weights)
+        self._weight = self._weight_at(time)
         self._besides = more * time
 
     def take_loads(self, loads: Sequence[MassLoad]) -> None:
@@ -143,18 +185,23 @@ class PointMotion(BodyScalar):
         Args:
             load: Gives its force over mass at a place that is coupled with nodes.
         """
-        kind, axis = self.way
-        if self.scene.mass is None or kind == "rotation":
+        if self.mass == 0:
             return None
         found = load(self._face.at, self._face.nodes)
-        return None if found is None else self.scene.mass * float(found[AXES.index(axis)])
+        return None if found is None else self.mass * float(found[AXES.index(self.way[1])])
 
     def momentum(self, velocity: Array) -> Array | None:
         """What the mass at the point adds to M v of nodal velocities; None for none; collective."""
-        if self.scene.mass is None or self.way[0] == "rotation" or self._is_mirrored:
+        if self.mass == 0:
             return None
         (along,) = self.ways_in(velocity[..., None])
-        return np.asarray(self.scene.mass * along * self._measured)
+        return np.asarray(self.mass * along * self.measured)
+
+    @property
+    def mass(self) -> float:
+        """The mass at the point that this way moves; 0 for none (mass)."""
+        moves_none = self.way[0] == "rotation" or self.is_mirrored
+        return 0.0 if self.scene.mass is None or moves_none else self.scene.mass
 
     def amount_of(self, value: float) -> float:
         """Displacement or rotation of a value of the scalar (length, radian)."""
@@ -167,12 +214,12 @@ class PointMotion(BodyScalar):
             fields: Displacements of these, (nodes, components, motions) (length).
         """
         spaces, own = self._face.spaces, slice(self._face.spaces.owned_nodes)
-        works = np.einsum("nc,ncm->m", self._measured[own], fields[own])
+        works = np.einsum("nc,ncm->m", self.measured[own], fields[own])
         return np.asarray(total(spaces.comm, works))
 
     @property
     @abstractmethod
-    def _measured(self) -> Array:
+    def measured(self) -> Array:
         """Weights of nodal displacements that give its value, (nodes, components)."""
 
     def force_of(self, stress: Expr) -> Expr | None:
@@ -227,12 +274,13 @@ class FaceMotion(PointMotion):
         works = float(np.sum(self._motion.moved[own] * nodal[own]))
         self._by_loads = float(total(self._motion.spaces.comm, works))
 
-    def state_at(self, force: float, value: float) -> ScalarState:
-        """State in an answer; its work is that of the displacement of the face's nodes."""
-        return ScalarState(force, value, self.is_locked, works=False)
+    @property
+    def works(self) -> bool:
+        """No: its work is that of nodal forces on the face."""
+        return False
 
     @cached_property
-    def _measured(self) -> Array:
+    def measured(self) -> Array:
         """By least squares over the nodes of the face."""
         face, own = self._face, slice(self._face.spaces.owned_nodes)
         every = np.zeros_like(face.fields)
@@ -260,7 +308,13 @@ class MeanMotion(PointMotion):
         self._mean = measured
 
     @property
-    def _measured(self) -> Array:
+    def works(self) -> bool:
+        """Whether its work is besides; in a step of motion all of points is counted together."""
+        return self._step is None
+
+    @property
+    def measured(self) -> Array:
+        """Weights of nodal displacements that give the mean motion, (nodes, components)."""
         return self._mean
 
 

@@ -101,6 +101,7 @@ class CondensedBody:
         self.discrete = discrete
         self._constrained, self.sides = constrained, tuple(sides)
         self._moves = step is not None
+        self._columns = None if step is None else step.scalars
         with timings.phase("assemble"):
             self.stiffness = LocalStiffness(discrete, step)
         self.dofs = ContactDofs(discrete.spaces, constrained, sides, near, discrete.cut)
@@ -126,8 +127,8 @@ class CondensedBody:
     def renew_scalars(self) -> None:
         """Work out what the scalars of the body do to it at present; collective."""
         bulk, discrete, moves = self.bulk, self.discrete, self._moves
-        forces, own = discrete.elastic.scalar_forces, discrete.elastic.scalar_stiffness
-        self.scalars = CondensedScalars(forces, own, self.stiffness, bulk, self.held)
+        columns = self._columns or discrete.elastic.columns
+        self.scalars = CondensedScalars(columns, self.stiffness, bulk, self.held)
         self.loads_at = LoadsOfBody(
             self.stiffness,
             self.held,

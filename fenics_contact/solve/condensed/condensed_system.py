@@ -411,7 +411,8 @@ class CondensedSystem(System):
         for value, one in zip(self._scalars_of(values), self._scalar_loads, strict=True):
             load += value * one.load
         at_contacts = self._free_displacements(values)
-        scalars = [(one.value, one.forces_on_body.nodal) for one in self.problem.body_scalars]
+        values_of = [one.value for one in self.problem.body_scalars]
+        scalars = list(zip(values_of, self.body.scalars.nodal, strict=True))
         find = LazyDisplacement(partial(self._expanded, load, at_contacts, scalars))
         if self.problem.elastic.mixed is not None or not self._are_given:
             find()

@@ -8,13 +8,13 @@ column are the same; D is what the bulk leaves of ∂²W/∂q² when the contact
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from petsc4py import PETSc
 from scipy.linalg import lapack
 
-from fenics_contact.body.preloaded_part import ScalarForces
+from fenics_contact.body.preloaded_part import ScalarColumns
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import total
 from fenics_contact.solve.condensed.elimination import KeptUnknowns
@@ -28,12 +28,12 @@ class CondensedScalars:
 
     Attributes:
         loads: This rank's share of the forces of a unit of each on its unknowns (force/length).
+        nodal: Forces of a unit of each on the displacements, (nodes, components) each.
         condensed: These forces condensed onto the contact dofs, on rank 0 (force/length).
         corner: D, (scalars, scalars) (force/length).
 
     Args:
-        forces: What a unit of each scalar does to the body.
-        own: Second derivatives of the energy in the scalars, (scalars, scalars).
+        columns: What a unit of each scalar does to the body.
         stiffness: Of this rank's cells.
         bulk: Condensed.
         held: Which of this rank's unknowns supports hold.
@@ -41,22 +41,24 @@ class CondensedScalars:
 
     def __init__(
         self,
-        forces: Sequence[ScalarForces],
-        own: Array,
+        columns: ScalarColumns,
         stiffness: LocalStiffness,
         bulk: CondensedBulk,
         held: Flags,
     ) -> None:
         self._comm, self._held = bulk.comm, held
-        shape = (len(forces), len(held))
-        shares = [stiffness.share(one.nodal, one.on_mean_stress) for one in forces]
+        self.nodal = columns.nodal
+        shape = (len(self.nodal), len(held))
+        pairs = zip(self.nodal, columns.on_mean_stress, strict=True)
+        shares = [stiffness.share(nodal, stresses) for nodal, stresses in pairs]
         self._forces = np.array(shares).reshape(shape)
         self.loads = np.where(held, 0.0, -self._forces)
         condensed, self._moved = np.zeros((0, bulk.count)), np.zeros(shape)
-        if len(forces):
+        if len(self.nodal):
             condensed, self._moved = bulk.condense_and_expand(self.loads)
         self.condensed = list(condensed)
-        self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T)) + own
+        self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T))
+        self.corner = self.corner + columns.corner
 
     def border(self, kept: KeptUnknowns, size: int) -> ScalarBorder:
         """Rows and columns of the scalars, on rank 0.

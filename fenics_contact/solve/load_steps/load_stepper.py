@@ -121,7 +121,7 @@ def forces_of_step(problem: Problem, solution: Solution) -> StepForces:
     for contact, force in zip(problem.contacts, solution.normal_force, strict=True):
         pressed += contact.kinematics.on_body(contact.trace.at_all_nodes(force))
     return moving(problem.inertia).forces(
-        solution.displacement, solution.internal_force, problem.load, pressed
+        solution.displacement, solution.internal_force, problem.load, pressed, solution.scalars
     )
 
 
@@ -248,14 +248,17 @@ def _take(problem: Problem, rest: Problem, found: Solution) -> None:
         recall(contact, replace(remember(before), dissipated=0.0, left_open=0.0))
     inertia.begin_deformed(
         found.displacement,
-        found.internal_force,
+        found.internal_force - 0.5 * inertia.points.tied(found.scalars),
         pressed,
         elastic,
         FirstState(
             energy=energy,
             pressures=pressures,
             overlaps=tuple(c.kinematics.interference - c.kinematics.worn for c in rest.contacts),
-            scalars=tuple((state.force, state.value) for state in found.scalars),
+            scalars=tuple(
+                (state.force if scalar.works else 0.0, state.value)
+                for scalar, state in zip(problem.body_scalars, found.scalars, strict=True)
+            ),
         ),
     )
     for scalar, state in zip(problem.body_scalars, found.scalars, strict=True):
@@ -268,6 +271,7 @@ def _stored(rest: Problem, found: Solution) -> float:
     own = slice(rest.spaces.owned_nodes)
     works = found.displacement[own] * found.internal_force[own]
     stored = 0.5 * (float(total(rest.comm, np.sum(works))) + found.work_on_scalars)
+    stored += rest.elastic.joints.energy(np.array([state.value for state in found.scalars]))
     for contact, state in zip(rest.contacts, found.states, strict=True):
         stored += float(contact.trace.integral(state.penalty_energy))
         stored += contact.work.in_elastic_slip(state) if contact.friction.stores_energy else 0.0

@@ -191,9 +191,8 @@ class System(ABC):
         if known is None or known[0] is not load:  # another load is another array
             known = load, float(total(self.comm, self.problem.applied[:owned].sum()))
             self._load_norm = known
-        asked = np.array([scalar.force for scalar in self.problem.body_scalars])
-        on_scalars = np.maximum(np.abs(asked), np.abs(self.scalar_forces)).sum()
-        return known[1] + float(on_scalars)
+        pairs = zip(self.problem.body_scalars, self.scalar_forces, strict=True)
+        return known[1] + sum(scalar.applied(float(force)) for scalar, force in pairs)
 
     @property
     def scalars(self) -> int:
