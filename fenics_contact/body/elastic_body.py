@@ -37,7 +37,12 @@ from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.description import BodyDescription, HeatedGroup, Joint
 from fenics_contact.body.elasticity import Isotropic, Law, strain, strain_energy
 from fenics_contact.body.materials import Elasticities, Moduli
-from fenics_contact.body.preloaded_part import PreloadedPart, ScalarColumns, ScalarForces, ScalarForms
+from fenics_contact.body.preloaded_part import (
+    PreloadedPart,
+    ScalarColumns,
+    ScalarForces,
+    ScalarForms,
+)
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.springs import springs_of
 from fenics_contact.body.supports import HeldDofs

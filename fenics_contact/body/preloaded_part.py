@@ -165,7 +165,7 @@ class ScalarForces:
 
 @dataclass(frozen=True, eq=False)
 class ScalarColumns:
-    """What units of the scalars of the body's energy do in a system.
+    """Columns and corner of the scalars of the body's energy in a linear system.
 
     Attributes:
         nodal: Forces on the displacements, (nodes, components) each (force/length).

@@ -133,6 +133,7 @@ class EnergyBalance:
         self.done += float(np.abs(done).sum())
         farthest = largest(problem.comm, np.abs(moved[: problem.spaces.owned_nodes]))
         self.round_off += solution.imbalance_limit * farthest + self._of_scalars(solution)
+        self.left_open += forces.left_open
         pairs = zip(problem.contacts, solution.states, strict=True)
         for (contact, state), motion in zip(pairs, motions, strict=True):
             self.left_open += contact.work.left_open(state)

@@ -105,6 +105,23 @@ class Balances:
     carried: Array
 
 
+@dataclass(frozen=True)
+class ScalarBalance:
+    """Force on a scalar of the body.
+
+    Attributes:
+        scalar: Which one.
+        asked: By the scene (force).
+        found: That the body and the springs at it need (force).
+        size: Of the part of the body (force).
+    """
+
+    scalar: BodyScalar
+    asked: float
+    found: float
+    size: float
+
+
 class InternalForces(ABC):
     """Internal forces of an answer, against the forces of loads and contacts.
 
@@ -145,11 +162,19 @@ class InternalForces(ABC):
     def displacement(self) -> Array:
         """Displacement of contacts and of held dofs at least, (nodes, components) (length)."""
 
-    def scalar_balances(self) -> list[tuple[BodyScalar, float, float]]:
-        """The body's scalars with the force on each as asked, and as the body needs it (force)."""
+    def scalar_balances(self) -> list[ScalarBalance]:
+        """Balance of each of the body's scalars; collective."""
         problem, states = self.problem, self.scalar_states()
         rows = zip(problem.body_scalars, states, problem.pull_of_joints(states), strict=True)
-        return [(one, one.force, state.force + float(pull)) for one, state, pull in rows]
+        return [
+            ScalarBalance(one, one.force, state.force + float(pull), abs(state.force))
+            for one, state, pull in rows
+        ]
+
+    @property
+    def left_open(self) -> float:
+        """Work that stops between coupled faces leave open in a step (energy)."""
+        return 0.0
 
     @property
     @abstractmethod

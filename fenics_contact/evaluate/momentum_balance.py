@@ -10,7 +10,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.evaluate.contact_quantities import resultant
-from fenics_contact.evaluate.internal_forces import InternalForces
+from fenics_contact.evaluate.internal_forces import InternalForces, ScalarBalance
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.moving import moving
 from fenics_contact.problem.problem import Problem
@@ -98,13 +98,22 @@ class MovingForces(BulkForces):
         ends = self.displacement, self._step.velocity
         return *points.mean_forces(self.inertia.state, ends, pushed), pushed
 
-    def scalar_balances(self) -> list[tuple[BodyScalar, float, float]]:
-        """The body's scalars with the forces on them, of points with the means of the step."""
-        asked, found, _ = self._on_points
-        every = zip(self.inertia.points.every, asked, found, strict=True)
-        of_points = {one: (float(a), float(f)) for one, a, f in every}
-        rows = super().scalar_balances()
-        return [(one, *of_points.get(one, (a, f))) for one, a, f in rows]
+    def scalar_balances(self) -> list[ScalarBalance]:
+        """Balance of each of the body's scalars, of points by the mean forces of the step."""
+        every = zip(self.inertia.points.every, *self._on_points, strict=True)
+        of_points: dict[BodyScalar, ScalarBalance] = {
+            one: ScalarBalance(one, float(asked), float(found), abs(float(pushed)))
+            for one, asked, found, pushed in every
+        }
+        return [of_points.get(row.scalar, row) for row in super().scalar_balances()]
+
+    @property
+    def left_open(self) -> float:
+        """Work of stops that begin or cease to act within the step, by the mean of both ends."""
+        joints, points = self.problem.elastic.joints, self.inertia.points
+        before, now = points.values(self.inertia.state.displacement), self._scalars
+        done = 0.5 * (joints.pull(before) + joints.pull(now)) @ (now - before)
+        return abs(float(done) - joints.energy(now) + joints.energy(before))
 
     def quantities(self) -> dict[str, Any]:
         """Quantities of the whole model besides those of statics; collective."""

@@ -135,7 +135,7 @@ def _across_contacts(contacts: Sequence[ContactSurface], spaces: Spaces, held: F
 
 
 def touching_nodes(contact: ContactSurface, spaces: Spaces) -> Flags:
-    """Which nodes of this rank have a normal of a one-sided contact, (nodes,); collective."""
+    """Nodes of this rank that have a normal of a one-sided contact, (nodes,); collective."""
     none = np.zeros((len(spaces.coordinates), spaces.components), dtype=bool)
     return np.asarray(np.einsum("nii->n", _across_contacts([contact], spaces, none)) > 0)
 

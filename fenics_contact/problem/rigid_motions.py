@@ -364,9 +364,10 @@ def is_part_free(problem: Problem) -> Flags:
 def held_by_points_alone(problem: Problem) -> bool:
     """Whether some rigid motion is held by points alone that faces follow in the mean; collective.
 
-    The stiffness of the bulk is singular then, also with all contact dofs held.
+    The stiffness of the bulk is singular then, also with all contact dofs held; where bodies move
+    their masses resist as well.
     """
-    if not problem.elastic.ties:
+    if problem.inertia.moves or not problem.elastic.ties:
         return False
     spaces = problem.spaces
     size, owned = spaces.components, spaces.owned_nodes

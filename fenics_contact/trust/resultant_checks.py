@@ -296,13 +296,12 @@ def _given_forces(forces: InternalForces, check: str) -> Check | None:
         check: Of which of the body's scalars; those that are locked do not count.
     """
     solution = forces.solution
-    chosen = [row for row in forces.scalar_balances() if row[0].check == check]
-    compared = [(asked, found) for scalar, asked, found in chosen if not scalar.is_locked]
+    chosen = [row for row in forces.scalar_balances() if row.scalar.check == check]
+    compared = [(row.asked, row.found) for row in chosen if not row.scalar.is_locked]
     if not compared:
         return None
     asked, found = np.array(compared).T
-    locked = [found for scalar, _, found in chosen if scalar.is_locked]
-    size = float(np.abs([*asked, *found, *locked]).max()) or 1.0
+    size = float(np.abs([*asked, *found, *(row.size for row in chosen)]).max()) or 1.0
     value = float(np.abs(found - asked).max()) / size
     return Check(value, _NO_FORCE + 2 * solution.imbalance_limit / size)
 

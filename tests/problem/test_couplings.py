@@ -12,7 +12,6 @@ from fenics_contact import (
     HalfSpace,
     Load,
     Material,
-    Motion,
     Obstacle,
     Path,
     Point,
@@ -359,7 +358,6 @@ def test_faces_that_something_else_holds_are_refused(changes, name):
             "coupling_named_as_a_support",
         ),
         (lambda: punch(half_space=HalfSpace(on=("x0",))), "coupling_of_a_half_space"),
-        (lambda: punch(motion=Motion(end=1.0, step=0.1)), "coupling_in_motion"),
     ],
 )
 def test_what_a_coupling_cannot_say_is_refused(make, name):

@@ -33,14 +33,13 @@ from fenics_contact.scene.loading.couplings import Coupling, Way
 from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.values import AXES
 
-
 # Of forces of inertia, which in small steps are far larger than what bodies exert on each other.
 OF_FLIGHT = 1e-3
 
 
 @dataclass(frozen=True)
 class PointStep:
-    """What a point begins a step of motion from, along one way.
+    """State of a point at the begin of a step of motion, along one way.
 
     Attributes:
         force: Of the right-hand side of its equation, besides what acts at the end (force).
@@ -281,7 +280,7 @@ class FaceMotion(PointMotion):
 
     @cached_property
     def measured(self) -> Array:
-        """By least squares over the nodes of the face."""
+        """Weights of nodal displacements by least squares over the face, (nodes, components)."""
         face, own = self._face, slice(self._face.spaces.owned_nodes)
         every = np.zeros_like(face.fields)
         every[:, face.nodes] = face.fields[:, face.nodes]

@@ -30,7 +30,6 @@ from fenics_contact.problem.motion_states import MovingState, StepStiffness
 from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
 from fenics_contact.scene.loading.motion import Motion
 
-
 # Of the largest velocity.
 _AT_REST = 1e-9
 
@@ -114,11 +113,15 @@ class MovingPoints:
         return np.where(self.are_given, found, 0.5 * (now + then)), found
 
     def momenta(self, velocity: Array) -> Array:
-        """What masses of points add to M v, at the nodes that tell how they move (momentum)."""
+        """Momenta of masses of points, at the nodes that tell how these move, (nodes, components).
+
+        Args:
+            velocity: Of the nodes, (nodes, components) (length/time).
+        """
         return self._at_nodes(self.masses, velocity)
 
     def dragged(self, moved: Array) -> Array:
-        """Mean force of damping on these masses in a step, likewise (force).
+        """Mean force of damping on masses of points in a step, (nodes, components) (force).
 
         Args:
             moved: In the step, (nodes, components) (length).
@@ -221,7 +224,9 @@ class MovingPoints:
         start = place + self._size * velocity
         given = np.array([0.0 if one.held is None else one.held for one in self.every])
         on = np.where(self.are_given, 0.5 * (place + given + self._size * velocity), start)
-        force = acting + 4 / self._size**2 * self.masses * on + 2 / self._size * self._damped * place
+        force = (
+            acting + 4 / self._size**2 * self.masses * on + 2 / self._size * self._damped * place
+        )
         for one, *parts in zip(self.every, force, acting, start, strict=True):
             one.take_step(PointStep(*map(float, parts)))
 
@@ -244,8 +249,19 @@ class MovingPoints:
             self._begun = state, self.along(state.displacement), self.along(state.velocity)
         return self._begun[1:]
 
+    def values(self, displacement: Array) -> Array:
+        """Values that ways of points have, 0 of the body's other scalars, (scalars,) (length).
+
+        Args:
+            displacement: At the nodes, (nodes, components) (length).
+        """
+        return self._values(self.along(displacement))
+
+    def _values(self, place: Array) -> Array:
+        found = np.zeros(len(self._scalars))
+        found[self._numbers] = place
+        return found
+
     def _pull(self, place: Array) -> Array:
         """Forces by which springs pull points back, (ways,) (force)."""
-        values = np.zeros(len(self._scalars))
-        values[self._numbers] = place
-        return self._elastic.joints.pull(values)[self._numbers]
+        return np.asarray(self._elastic.joints.pull(self._values(place))[self._numbers])

@@ -40,6 +40,8 @@ from fenics_contact.simulation import row_tables, state_file
 from fenics_contact.simulation.state_file import StateFile
 from tests.messages import refused, says
 from tests.scenes import PULLED_BLOCK, ROOT, box_body
+from tests.simulation.motion.test_coupled_motion import body as swinging_body
+from tests.simulation.motion.test_coupled_motion import swinging
 from tests.simulation.motion.test_preloads import joint, joint_body
 from tests.solve.load_steps.histories import block, dragged, require_same, shoved, two_blocks
 from tests.traffic import counted
@@ -89,6 +91,7 @@ SCENES = {
     "centres of tetrahedra": (SOLID, tetrahedra),
     "motion": (KICKED, tetrahedra),
     "bolt in motion": (joint(6.0, end=0.012), joint_body),
+    "coupled in motion": (swinging(), swinging_body),
 }
 
 
@@ -118,7 +121,7 @@ def resumed(scene, body, folder):
     "name",
     [
         *("automatic", "nearly incompressible, full", "two bodies", "centres of tetrahedra"),
-        *("motion", "bolt in motion"),
+        *("motion", "bolt in motion", "coupled in motion"),
     ],
 )
 def test_a_run_goes_on_on_other_ranks(name, folder, monkeypatch):
