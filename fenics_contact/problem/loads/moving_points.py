@@ -57,8 +57,11 @@ class MovingPoints:
         self.every = [one for one in scalars if isinstance(one, PointMotion)]
         self._numbers = [scalars.index(one) for one in self.every]
         shape = (len(self.every), len(spaces.coordinates), spaces.components)
-        self._measured = np.array([one.measured for one in self.every]).reshape(shape)
-        moved = [np.zeros(shape[1:]) if one.moved is None else one.moved for one in self.every]
+        # The mean motion of a face across a plane of symmetry is not that of its point.
+        none = np.zeros(shape[1:])
+        measured = [none if one.is_mirrored else one.measured for one in self.every]
+        self._measured = np.array(measured).reshape(shape)
+        moved = [none if one.moved is None else one.moved for one in self.every]
         self._moved = np.array(moved).reshape(shape)
         self.are_given: Flags = np.array([one.is_locked for one in self.every], dtype=bool)
         self.masses = np.array([one.mass for one in self.every])

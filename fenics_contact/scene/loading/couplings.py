@@ -90,8 +90,8 @@ class Coupling:
         Annotated[Positive, MASS] | None,
         Field(
             description="at the point, without a moment of inertia, of the part that is modelled; "
-            "it counts in `[modes]` and `[motion]`, and in loads by `acceleration` and `rotation` on "
-            "a part of the body that the boundary belongs to"
+            "it counts in `[modes]` and `[motion]`, and in loads by `acceleration` and `rotation` "
+            "on a part of the body that the boundary belongs to"
         ),
     ] = None
 

@@ -250,6 +250,26 @@ def test_any_number_of_ranks_has_the_same_motion(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_half_of_a_bar_moves_as_the_whole(kind):
+    """Bent by nothing: half of the mass and of the force is at the half, which symmetry cuts."""
+    motion = Motion(step=0.01, end=0.1, velocity={"body": (0.2, 0)})
+    spring = Spring(between=("tip", "ground"), stiffness={"x": 80.0})
+    half = Spring(between=("tip", "ground"), stiffness={"x": 40.0})
+    held = (Support("x0", {"x": 0}), Support("y0", {"y": 0}))
+    whole = bar(kind, motion, (spring,), poisson=0.3, force=(FORCE, 0))
+    whole = dataclasses.replace(whole, support=(Support("x0", {"x": 0}),), point=())
+    part = bar(kind, motion, (half,), poisson=0.3, force=(FORCE / 2, 0), mass=MASS / 2)
+    part = dataclasses.replace(part, support=held, point=())
+    found = solved(part, box_body((8, 2), (LENGTH, SIDE / 2), cell="quadrilateral"))
+    other = solved(whole, box_body((8, 4), (LENGTH, SIDE), cell="quadrilateral"))
+    (one,), (two,) = found.couplings, other.couplings
+    assert one.displacement[0] == pytest.approx(two.displacement[0], rel=1e-9)
+    assert 2 * one.force[0] == pytest.approx(two.force[0], rel=1e-8)
+    for name in ("kinetic_energy", "strain_energy", "spring_energy"):
+        assert 2 * along(found, name) == pytest.approx(along(other, name), rel=1e-8), name
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_wrong_motion_of_the_point_fails_the_check(kind):
     """A mass that is taken for a tenth more than it is."""
     run = Run(bar(kind, Motion(step=0.01, end=0.1), force=(FORCE, 3.0), poisson=0.3), COMM, body())
