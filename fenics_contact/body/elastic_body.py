@@ -360,6 +360,25 @@ class ElasticBody:
             found -= part.present_strain
         return found
 
+    def heat_strain(self, rise: Expr) -> Expr | None:
+        """Strain free of stress of a rise, less the present one of temperatures found, (3, 3).
+
+        Of the rise in full, where the present one is of its projection.
+
+        Args:
+            rise: Temperature less the reference, in UFL (temperature).
+
+        Returns:
+            None where no temperature is found that expands anything.
+        """
+        parts = [part for part in self.heated if part.described.is_found]
+        return sum(part.strain_beyond(rise) for part in parts) if parts else None
+
+    def heat_stress(self, rise: Expr) -> Expr | None:
+        """Stress by that strain where nothing moves, (3, 3): the negative of what it would take."""
+        strain = self.heat_strain(rise)
+        return None if strain is None else -self._stress_of(strain)
+
     def virtual_work(
         self, law: Law, state: tuple[Expr, Expr | None], virtual: tuple[Expr, Expr | None]
     ) -> Expr:

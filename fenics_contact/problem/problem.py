@@ -436,6 +436,8 @@ class Problem:
     def set_time(self, time: float) -> None:
         """Bring loads, supports and obstacles to a pseudo-time; collective."""
         drive, now = self.drive, time
+        if self.conduction is not None:
+            self.conduction.set_time(now)
         time = self.scene.path_time(now if drive is None else drive.rest)
         self._set_loads(time)
         for more in (drive, self.disturbance):

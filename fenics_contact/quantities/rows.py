@@ -355,7 +355,6 @@ ROWS = (
         "that crosses a contact with a `conductance` into the body of `on`",
         together=Together.OF_THE_ONE,
         is_of_some=True,
-        has_true_value=False,
     ),
     Quantity(
         names.OBSTACLE_DISPLACEMENT,

@@ -76,6 +76,17 @@ class HeatedPart:
         """Present strain that is free of stress, anywhere in the body: 0 outside of the part."""
         return self.scalar / self.spaces.size * self._field * self._directions
 
+    def strain_beyond(self, rise: Expr) -> Expr:
+        """Strain free of stress of a rise that was found, less the present one, (3, 3).
+
+        Of the rise in full, not of its projection; 0 outside of the part.
+
+        Args:
+            rise: Temperature less the reference, anywhere in the body (temperature).
+        """
+        beyond = self._inside * rise - self._field
+        return self.scalar / self.spaces.size * beyond * self._directions
+
     @property
     def strain_across(self) -> Expr:
         """Thermal strain across the plane of a plane model, 0 outside of the part."""
@@ -115,9 +126,14 @@ class HeatedPart:
             return found
         if self.described.is_found:
             return self._projection.of_nodes(np.zeros(len(spaces.coordinates)))
-        inside = fem.Function(fem.functionspace(spaces.body.mesh, ("DG", 0)))
-        inside.x.array[self.cells] = 1.0
-        return inside
+        return self._inside
+
+    @cached_property
+    def _inside(self) -> fem.Function:
+        """1 in the part, 0 outside of it."""
+        found = fem.Function(fem.functionspace(self.spaces.body.mesh, ("DG", 0)))
+        found.x.array[self.cells] = 1.0
+        return found
 
     @cached_property
     def _rise(self) -> fem.Function | None:

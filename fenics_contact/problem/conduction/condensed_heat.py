@@ -20,6 +20,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.factors.local_factor import LocalFactor
 from fenics_contact.problem.conduction.heat_of_bodies import HeatOfBodies
 from fenics_contact.problem.conduction.heat_of_contact import PairedHeat
+from fenics_contact.problem.loads.disturbance import Disturbance
 
 # Of the largest entry of the bodies' matrix: what conducts less is round-off.
 _NOTHING = 1e-13
@@ -50,7 +51,7 @@ class CondensedHeat:
         self._has_datum = self._parts_with_datum()
         self._least = _NOTHING * abs(bodies.matrix).max()
         self._factor: LocalFactor | None = None
-        self._load: tuple[float, Array, Array] | None = None
+        self._load: tuple[tuple[float, Disturbance | None], Array, Array] | None = None
 
     def solve(self, time: float, paired: Sequence[PairedHeat], weighted: Sequence[Array]) -> Array:
         """Rise of all nodes (temperature).
@@ -97,15 +98,15 @@ class CondensedHeat:
 
     def _load_at(self, time: float) -> tuple[Array, Array]:
         """Heat that flows into the free nodes, and the same condensed onto the surfaces (power)."""
-        if self._load is None or self._load[0] != time:
+        bodies = self._bodies
+        if self._load is None or self._load[0] != (time, bodies.disturbance):
             assert self._factor is not None
-            bodies = self._bodies
             rise = np.zeros(bodies.count)
             given, held = bodies.given_at(time)
             rise[given] = held
             load = (bodies.taken_in(time) - bodies.matrix @ rise)[self._free]
             left = load - self._matrix @ self._factor.solve(load)
-            self._load = time, load, left[self._at_surfaces]
+            self._load = (time, bodies.disturbance), load, left[self._at_surfaces]
         return self._load[1:]
 
     def _of_contacts(self, paired: Sequence[PairedHeat], conducted: Sequence[csr_matrix]) -> Array:

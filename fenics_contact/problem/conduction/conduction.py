@@ -22,6 +22,7 @@ from fenics_contact.contact.state import ContactState
 from fenics_contact.problem.conduction.condensed_heat import CondensedHeat
 from fenics_contact.problem.conduction.heat_of_bodies import HeatOfBodies
 from fenics_contact.problem.conduction.heat_of_contact import HeatOfContact
+from fenics_contact.problem.loads.disturbance import Disturbance
 from fenics_contact.scene.scene import Scene
 
 # Of the largest conductance: by no more may any change from one solve to the next.
@@ -50,6 +51,8 @@ class Conduction:
     Attributes:
         rise: Temperature less the reference, at the nodes of this rank (temperature).
         contacts: That conduct.
+        bodies: Conduction in these.
+        time: Present pseudo-time, of repeated cycles that in the first.
 
     Args:
         scene: With its heat.
@@ -59,9 +62,10 @@ class Conduction:
 
     def __init__(self, scene: Scene, spaces: Spaces, contacts: Sequence[ContactSurface]) -> None:
         self._spaces, self._comm, self._every = spaces, spaces.comm, contacts
-        self._bodies = HeatOfBodies(scene, spaces)
+        self._path_time = scene.path_time
+        self.bodies = HeatOfBodies(scene, spaces)
         self.contacts = [
-            HeatOfContact(contact, self._bodies)
+            HeatOfContact(contact, self.bodies)
             for contact in contacts
             if contact.contact.conductance is not None
         ]
@@ -70,11 +74,11 @@ class Conduction:
         surfaces = [np.zeros(0, dtype=np.int64), *(one.nodes for one in self.contacts)]
         self._condensed: CondensedHeat | None = None
         if self._comm.rank == 0:
-            known = self._bodies, np.concatenate(surfaces), self._parts
+            known = self.bodies, np.concatenate(surfaces), self._parts
             self._condensed = CondensedHeat(*known)
         self.rise = np.zeros(len(spaces.coordinates))
         self._pressures = [np.zeros(len(one.contact.trace.weights)) for one in self.contacts]
-        self._time = 0.0
+        self.time = 0.0
         self._past: list[tuple[Array, Array]] = []
         self._solves = 0
 
@@ -103,9 +107,13 @@ class Conduction:
             return
         self.rise, self._pressures = memory.rise.copy(), [one.copy() for one in memory.pressures]
 
-    def begin(self, time: float) -> None:
-        """Find the temperatures of a pseudo-time with the pressures there are; collective."""
-        self._time, self._past, self._solves = time, [], 0
+    def set_time(self, time: float) -> None:
+        """Bring what boundaries have of heat to a pseudo-time; ``begin`` finds temperatures."""
+        self.time = self._path_time(time)
+
+    def begin(self) -> None:
+        """Find the temperatures of the present time with the pressures there are; collective."""
+        self._past, self._solves = [], 0
         self.rise = self._solved(self._pressures)
 
     @property
@@ -126,11 +134,21 @@ class Conduction:
         """
         self._pressures = [np.full_like(one, pressure) for one in self._pressures]
 
-    def follow(self, states: Sequence[ContactState]) -> bool:
+    def disturb(self, heat: Array | None, time: float) -> None:
+        """Let heat flow in besides the scene's, from the next time on that ``begin`` is called.
+
+        Args:
+            heat: At all nodes of all ranks, (nodes,) (power); None for none.
+            time: Pseudo-time at which it is so large; it grows evenly from nothing.
+        """
+        self.bodies.disturbance = None if heat is None else Disturbance.growing(heat, self._path_time(time))
+
+    def follow(self, states: Sequence[ContactState], share: float = 1.0) -> bool:
         """Whether temperatures have changed with the pressures of a solve; collective.
 
         Args:
             states: Of all contacts.
+            share: Of the change that counts as none, what is to be left of it.
 
         Raises:
             NotConvergedError: They have changed for too long.
@@ -138,11 +156,11 @@ class Conduction:
         found = [state.contact_pressure for state in self.states_of(states)]
         change = self._change(self._pressures, found)
         self._solves += 1
-        if change <= _SAME:
+        if change <= share * _SAME:
             return False
         if self._solves >= _MOST_SOLVES:
             raise NotConvergedError(
-                f"time {self._time:g}: temperatures and contact pressures have not settled in "
+                f"time {self.time:g}: temperatures and contact pressures have not settled in "
                 f"{_MOST_SOLVES} solves; conductances still change by {change:.2g} of the largest",
                 (),
             )
@@ -212,12 +230,12 @@ class Conduction:
         error: FenicsContactError | None = None
         if self._condensed is not None:
             try:
-                whole = self._condensed.solve(self._time, paired, weighted)
+                whole = self._condensed.solve(self.time, paired, weighted)
             except FenicsContactError as caught:
                 error = caught
         raise_together(self._comm, error)
         every: Array = from_root(self._comm, np.zeros(0) if whole is None else whole)
-        return np.asarray(every[self._bodies.numbers])
+        return np.asarray(every[self.bodies.numbers])
 
     @property
     def _whole(self) -> Array:
@@ -227,7 +245,7 @@ class Conduction:
     def _of_all_nodes(self, values: Array | Integers) -> Array:
         """Values of all nodes of all ranks by those of this rank's nodes; collective."""
         owned = slice(self._spaces.owned_nodes)
-        rows = np.column_stack([self._bodies.numbers, values])[owned]
+        rows = np.column_stack([self.bodies.numbers, values])[owned]
         numbers, found = gather_rows(self._comm, rows).T
         return np.asarray(found[np.argsort(numbers)])
 
@@ -267,11 +285,13 @@ class Conduction:
         Args:
             states: Of all contacts.
         """
-        across = self._across(states)
-        bodies, rise = self._bodies, self._whole
-        left = bodies.matrix @ rise - bodies.taken_in(self._time)
-        given, _ = bodies.given_at(self._time)
-        every = float(np.abs(left[given]).sum() + np.abs(bodies.taken_in(self._time)).sum())
+        across = np.zeros(self.bodies.count)
+        for _, heat in self.across(states):
+            across += heat
+        bodies, rise = self.bodies, self._whole
+        left = bodies.matrix @ rise - bodies.taken_in(self.time)
+        given, _ = bodies.given_at(self.time)
+        every = float(np.abs(left[given]).sum() + np.abs(bodies.taken_in(self.time)).sum())
         every += _NEGLIGIBLE * float((abs(bodies.matrix) @ np.abs(rise)).sum())
         if every == 0:
             return None
@@ -279,13 +299,21 @@ class Conduction:
         sums = np.bincount(self._parts, left - across)
         return float(np.abs(sums).max() / every)
 
-    def _across(self, states: Sequence[ContactState]) -> Array:
-        """Heat that crosses contacts into all nodes of all ranks, (nodes,); collective (power)."""
-        found = np.zeros(self._bodies.count)
+    def across(self, states: Sequence[ContactState]) -> list[tuple[ContactSurface, Array]]:
+        """Heat that crosses each contact that conducts, into both bodies; collective.
+
+        Args:
+            states: Of all contacts, whose pressures say how much crosses.
+
+        Returns:
+            Contacts, with what flows into all nodes of all ranks, (nodes,) (power).
+        """
+        found = []
         for number, one, step in zip(self._numbers, self.contacts, self.steps(), strict=True):
-            pair = one.paired
+            pair, heat = one.paired, np.zeros(self.bodies.count)
             conducted = one.weighted(one.conductances(states[number].contact_pressure) * step)
             onto_slave = pair.points.T @ conducted
-            np.add.at(found, pair.slave, onto_slave)
-            np.add.at(found, pair.master, -pair.onto_master(onto_slave))
+            np.add.at(heat, pair.slave, onto_slave)
+            np.add.at(heat, pair.master, -pair.onto_master(onto_slave))
+            found.append((one.contact, heat))
         return found

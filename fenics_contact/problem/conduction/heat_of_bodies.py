@@ -20,6 +20,8 @@ from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import gather_rows
+from fenics_contact.mesh.tagged_mesh import Group
+from fenics_contact.problem.loads.disturbance import Disturbance
 from fenics_contact.scene.loading.heat import Heat
 from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.scene import Scene
@@ -30,11 +32,13 @@ class GivenRise:
     """A boundary with a given temperature.
 
     Attributes:
+        on: The boundary.
         numbers: Of its nodes, over all ranks.
         rise: At each, where the path is 1 (temperature).
         path: Over pseudo-time.
     """
 
+    on: Group
     numbers: Integers
     rise: Array
     path: Callable[[float], float]
@@ -45,12 +49,29 @@ class GivenFlow:
     """What a boundary takes in, by a flux or from what is around a film.
 
     Attributes:
-        nodal: At all nodes of all ranks, where the path is 1 (power).
+        inward: Over area, in UFL, where the path is 1 (power/area).
+        on: The boundary.
+        nodal: The same at all nodes of all ranks (power).
         path: Over pseudo-time.
     """
 
+    inward: Expr
+    on: Group
     nodal: Array
     path: Callable[[float], float]
+
+
+@dataclass(frozen=True, eq=False)
+class FilmOn:
+    """A film on a boundary, through which heat flows by the difference of temperature.
+
+    Attributes:
+        coefficient: Of the film (power/area/temperature).
+        on: The boundary.
+    """
+
+    coefficient: float
+    on: Group
 
 
 class HeatOfBodies:
@@ -63,6 +84,12 @@ class HeatOfBodies:
         matrix: Of conduction and films, on every rank (power/temperature).
         given: Boundaries with given temperatures.
         flows: What boundaries take in.
+        films: Those of boundaries.
+        conductivity: In the cells, in UFL (power/length/temperature).
+        space: That of the rise.
+        scalar_of_node: The dof of ``space`` at each node of this rank.
+        disturbance: Heat that flows in besides the scene's, at all nodes of all ranks (power), to
+            see what it does; or None.
 
     Args:
         scene: With its heat and conductivities.
@@ -74,21 +101,22 @@ class HeatOfBodies:
 
     def __init__(self, scene: Scene, spaces: Spaces) -> None:
         self._spaces, self.is_plane = spaces, spaces.body.dimension == 2
-        space, scalar_of_node = spaces.scalar_space()
-        self._space = space
+        self.space, self.scalar_of_node = space, scalar_of_node = spaces.scalar_space()
         index_map = space.dofmap.index_map
         self.count = int(index_map.size_global)
         self.numbers = index_map.local_to_global(scalar_of_node.astype(np.int32))
+        self.disturbance: Disturbance | None = None
         self._reference = scene.material[0].reference_temperature
         trial, test = ufl.TrialFunction(space), ufl.TestFunction(space)
         self._test = test
         points = MaterialPoints(scene.material, spaces, varies=False)
         values = [float(one.conductivity or 0.0) for one in scene.material]
-        conductivity = points.coefficient(points.evaluate("conductivity", values))
-        form = spaces.weight * conductivity * ufl.inner(ufl.grad(trial), ufl.grad(test))
+        self.conductivity = points.coefficient(points.evaluate("conductivity", values))
+        form = spaces.weight * self.conductivity * ufl.inner(ufl.grad(trial), ufl.grad(test))
         form = form * spaces.bulk
         self.given: list[GivenRise] = []
         self.flows: list[GivenFlow] = []
+        self.films: list[FilmOn] = []
         for number, heat in enumerate(scene.heat):
             form += self._place(heat, f"heat[{number}]", trial)
         self.matrix = self._whole(form_cache.form(form))
@@ -104,28 +132,29 @@ class HeatOfBodies:
                 spaces.comm, np.column_stack([self.numbers[nodes], rise - self._reference])
             )
             numbers, first = np.unique(rows[:, 0].astype(np.int64), return_index=True)
-            self.given.append(GivenRise(numbers, rows[first, 1], path))
+            self.given.append(GivenRise(group, numbers, rows[first, 1], path))
             return ufl.Form([])
         if heat.film is None:
             assert heat.flux is not None
             values = spaces.evaluate(heat.flux, nodes, f"{key}.flux")
-            self._take_in(spaces.coefficient(values, nodes), measure, path)
+            self._take_in(spaces.coefficient(values, nodes), group, path)
             return ufl.Form([])
         coefficient = heat.film.coefficient
         inward = coefficient * (heat.film.temperature - self._reference)
         if inward != 0:
-            self._take_in(ufl.as_ufl(inward), measure, path)
+            self._take_in(ufl.as_ufl(inward), group, path)
+        self.films.append(FilmOn(coefficient, group))
         film: ufl.Form = spaces.weight * coefficient * trial * self._test * measure
         return film
 
-    def _take_in(self, inward: Expr, measure: ufl.Measure, path: KeyedPath) -> None:
+    def _take_in(self, inward: Expr, on: Group, path: KeyedPath) -> None:
         """Add what a boundary takes in, over area; collective."""
-        work = self._spaces.weight * inward * self._test * measure
-        self.flows.append(GivenFlow(self._nodal(form_cache.form(work)), path))
+        work = self._spaces.weight * inward * self._test * self._spaces.boundary(on)
+        self.flows.append(GivenFlow(inward, on, self.nodal(form_cache.form(work)), path))
 
     def _whole(self, form: fem.Form) -> csr_matrix:
         """A matrix of all ranks, with the nodes' numbers over all of them; collective."""
-        index_map = self._space.dofmap.index_map
+        index_map = self.space.dofmap.index_map
         count = index_map.size_local + index_map.num_ghosts
         numbers = index_map.local_to_global(np.arange(count, dtype=np.int32))
         # Columns of nodes that only other ranks' cells have come last, and are empty.
@@ -134,10 +163,10 @@ class HeatOfBodies:
         places = gather_rows(comm, numbers[own.row]), gather_rows(comm, numbers[own.col])
         return csr_matrix((gather_rows(comm, own.data), places), shape=(self.count, self.count))
 
-    def _nodal(self, form: fem.Form) -> Array:
+    def nodal(self, form: fem.Form) -> Array:
         """A linear form at all nodes of all ranks; collective."""
         own = np.array(fem.assemble_vector(form).array)
-        index_map = self._space.dofmap.index_map
+        index_map = self.space.dofmap.index_map
         numbers = index_map.local_to_global(np.arange(len(own), dtype=np.int32))
         comm = self._spaces.comm
         rows = gather_rows(comm, np.column_stack([numbers, own]))
@@ -145,9 +174,9 @@ class HeatOfBodies:
 
     def taken_in(self, time: float) -> Array:
         """What boundaries take in at a pseudo-time, (nodes of all ranks,) (power)."""
-        found = np.zeros(self.count)
+        found = np.zeros(self.count) if self.disturbance is None else self.disturbance.at(time)
         for flow in self.flows:
-            found += flow.path(time) * flow.nodal
+            found = found + flow.path(time) * flow.nodal
         return found
 
     def given_at(self, time: float) -> tuple[Integers, Array]:

@@ -226,6 +226,8 @@ class LoadSteps(StepTries):
             This one is to be gone back to before it is used again.
         """
         assert self.last is not None
+        if self.problem.conduction is not None:
+            self.problem.conduction.recall(None)
         self._recall(self._untouched)
         for contact, memory in zip(self.problem.contacts, self._first, strict=False):
             scale = memory.regularisation_parameter, memory.is_scaled

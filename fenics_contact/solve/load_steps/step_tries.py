@@ -198,7 +198,8 @@ class StepTries(StepRollback):
         """Solve a step at one temperature after the other, until these have settled; collective."""
         conduction, steps = self.problem.conduction, 0
         if conduction is not None:
-            conduction.begin(time)
+            conduction.set_time(time)
+            conduction.begin()
             self._follow_temperature()
         try:
             while True:
@@ -213,6 +214,27 @@ class StepTries(StepRollback):
                 self._follow_temperature()
         finally:
             self._near = None
+
+    def settled(self, solve: Callable[[], Solution], share: float = 1.0) -> Solution:
+        """Solve the present load step with temperatures that follow its pressures; collective.
+
+        Args:
+            solve: Solves it at temperatures that are held, from where the problem is.
+            share: Of the change of conductances that counts as none, what is to be left of it.
+
+        Raises:
+            NotConvergedError: ``solve`` does, or temperatures have changed for too long.
+        """
+        conduction = self.problem.conduction
+        if conduction is None:
+            return solve()
+        conduction.begin()
+        while True:
+            self._follow_temperature()
+            self.newton.system.follow_supports()
+            found = solve()
+            if not conduction.follow(found.states, share):
+                return found
 
     def try_first_step(
         self, time: float, pressure: float, ends: Callable[[Solution], bool]

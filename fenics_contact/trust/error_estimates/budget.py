@@ -55,10 +55,6 @@ _OF_MOTION = (
     "step, on a finer mesh, and with less of all else."
 )
 
-_OF_HEAT = (
-    "Errors were not estimated: temperatures that conduction finds would follow what is changed."
-)
-
 Row = dict[str, float | None]
 
 
@@ -209,8 +205,6 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
     problem = load_steps.problem
     if problem.scene.solver.errors == "none" or load_steps.last is None:
         return ErrorBudget()
-    if problem.conduction is not None:
-        return ErrorBudget(notes=[_OF_HEAT])
     if problem.inertia.moves:
         return ErrorBudget(notes=[] if problem.scene.solver.errors == "all" else [_OF_MOTION])
     measure = Measured(load_steps)

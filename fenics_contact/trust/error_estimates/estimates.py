@@ -111,7 +111,9 @@ class Estimates:
         is_short = len(self._times) <= _SHORT and self._can_repeat
         self._takes_all = self._wants_all or is_short
         is_smooth = load_steps.newton.exact is None
-        self._is_linear = self._is_cheap and is_smooth and not (self._can_repeat or self._wants_all)
+        # The tangent knows nothing of how temperatures follow pressures.
+        by_tangent = self._is_cheap and is_smooth and self._problem.conduction is None
+        self._is_linear = by_tangent and not (self._can_repeat or self._wants_all)
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
         """Return the errors of all sources, {} for one that the scene lacks; and notes."""

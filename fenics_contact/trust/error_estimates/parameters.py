@@ -35,6 +35,7 @@ from fenics_contact.quantities.names import (
     STRAIN_ENERGY,
 )
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
+from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,
@@ -66,8 +67,8 @@ _OF_ALL = (
     (STICK_AREA, CONTACT_AREA),
     (STRAIN_ENERGY, STRAIN_ENERGY),
 )
-# Of the solver's tolerance, for what its rest makes.
-_SHARPER = 1e-3
+# Of the solver's tolerance, for what its rest makes; of that of temperatures, the same.
+_SHARPER, _SETTLED = 1e-3, 1e-2
 
 Errors = dict[Hashable, float]
 Reduce = Callable[[float, Problem], None]
@@ -186,9 +187,9 @@ def _sharper(load_steps: LoadSteps, measure: Measure) -> Quantities | None:
     newton.begin.from_last_step()
     try:
         try:
-            solution = newton_again(
-                load_steps, _SHARPER * load_steps.problem.scene.solver.tolerance
-            )
+            tolerance = _SHARPER * load_steps.problem.scene.solver.tolerance
+            way = partial(newton_again, load_steps, tolerance)
+            solution = load_steps.settled(way, _SETTLED)
         except NotConvergedError as error:
             logger.debug("  a sharper tolerance: %s", error)
             # Round-off may let it come no nearer: so it is as near as can be.
@@ -211,13 +212,18 @@ def _one_more_pass(load_steps: LoadSteps, measure: Measure) -> Quantities | None
     try:
         for contact in load_steps.problem.coulomb:
             contact.friction.set_bound(contact.friction.bound_of(contact.pressure()))
-        newton.run(False)
-        return measure(newton.solution())
+        return measure(load_steps.settled(partial(_passed, newton)))
     except NotConvergedError as error:
         logger.debug("  one more pass: %s", error)
         return None
     finally:
         load_steps.go_back()
+
+
+def _passed(newton: Newton) -> Solution:
+    """The solution with the bounds of friction there are; collective."""
+    newton.run(False)
+    return newton.solution()
 
 
 def domain_errors(load_steps: LoadSteps, measure: Measure) -> dict[Hashable, float] | None:

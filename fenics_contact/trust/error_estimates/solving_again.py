@@ -203,7 +203,7 @@ def last_step_again(
                 near.begin(newton)
             newton.begin.from_last_step()
             try:
-                found = way()
+                found = load_steps.settled(way)
                 if line is not None:
                     line.note(newton)
                 return measure(found)
@@ -325,6 +325,8 @@ def restore(load_steps: LoadSteps) -> None:
     if load_steps.problem.far_field is not None:
         load_steps.problem.far_field.beyond[:] = 0.0
     load_steps.problem.disturbance = None
+    if load_steps.problem.conduction is not None:
+        load_steps.problem.conduction.disturb(None, load_steps.time)
     load_steps.problem.scalar_disturbance[:] = 0.0
     load_steps.problem.feet.disturbance = []
     load_steps.go_back()

@@ -34,7 +34,13 @@ from fenics_contact.problem.problem import Problem
 
 
 def bubble_space(spaces: Spaces) -> FunctionSpace:
-    """Discontinuous space of displacements that vanish at the nodes of ``spaces``.
+    """Discontinuous space of displacements that vanish at the nodes of ``spaces``."""
+    element = basix.ufl.blocked_element(bubble_element(spaces), shape=(spaces.components,))
+    return fem.functionspace(spaces.body.mesh, element)
+
+
+def bubble_element(spaces: Spaces) -> AbstractFiniteElement:
+    """Element of one component whose functions vanish at the nodes of ``spaces``.
 
     Of degree p + 1, complete on triangles, tetrahedra and quadrilaterals. On hexahedra only the
     products of a polynomial that vanishes at the nodes of a line with linear ones across it:
@@ -49,8 +55,7 @@ def bubble_space(spaces: Spaces) -> FunctionSpace:
     combinations = null_space(at_nodes)
     if cell == basix.CellType.hexahedron:
         combinations = _along_lines(combinations, degree)
-    element = _element(cell, degree + 1, np.ascontiguousarray(combinations.T))
-    return fem.functionspace(mesh, basix.ufl.blocked_element(element, shape=(spaces.components,)))
+    return _element(cell, degree + 1, np.ascontiguousarray(combinations.T))
 
 
 def _legendre(cell: basix.CellType, degree: int, points: Array) -> Array:

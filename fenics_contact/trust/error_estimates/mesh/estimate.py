@@ -150,6 +150,8 @@ def mesh_errors(
     whole, at_random = changes
     for name, error in local.at_points().items():
         whole[name] += error
+    if STRAIN_ENERGY in whole:
+        whole[STRAIN_ENERGY] += abs(local.energy_of_heat())
     of_errors = _energies(recorded[-1][1], 0.5 * local.total**2)
     if problem.is_sprung:  # their energy and the body's may change against each other
         of_errors[STRAIN_ENERGY] *= 2
@@ -290,6 +292,8 @@ def _disturb(
     problem.disturbance = followed.along([share * one for one in forces])
     problem.scalar_disturbance = -share * at_end.on_scalars / last
     problem.feet.disturbance = [share * one / last for one in at_end.on_springs]
+    if problem.conduction is not None and at_end.heat is not None:
+        problem.conduction.disturb(share * at_end.heat, last)
     problem.set_time(last)
 
 

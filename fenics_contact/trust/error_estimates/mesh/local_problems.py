@@ -6,7 +6,8 @@ one degree more, a_K(e, w) = (f, w)_K - a_K(u, w) + ∫_∂K t·w, where t is th
 of the two cells at a facet, and on the boundary what acts on it. Under contacts that is the
 traction whose nodal forces are those of the contact, on springs k (ū - u), which the error
 stretches as well: there a_K has ∫ k e w. Where the mean stress is an unknown of its
-own, it has an error of its own in every cell, too (``mean_stress_errors``).
+own, it has an error of its own in every cell, too (``mean_stress_errors``). Where conduction finds
+temperatures, u expands by these with their errors (``heat_problems``), which are found first.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.error_estimates.mesh.bubbles import MeanStressErrors, bubble_space
+from fenics_contact.trust.error_estimates.mesh.heat_problems import HeatErrors
 
 # What one degree more adds to the integrands over the body's own: where products of displacements
 # count. Stresses of bubbles on triangles and tetrahedra are of the degree of the body's
@@ -53,11 +55,14 @@ class ForcesOfErrors:
         nodal: At the nodes, (nodes, components) (force).
         on_scalars: What the errors add to forces on the body's scalars, (body_scalars,) (force).
         on_springs: The part of ``nodal`` that each of ``Problem.feet`` exerts, likewise.
+        heat: Heat that moves temperatures as their errors do, at the nodes of all ranks, (nodes,)
+            (power); None where none are found.
     """
 
     nodal: Array
     on_scalars: Array
     on_springs: list[Array]
+    heat: Array | None = None
 
 
 class LocalErrors:
@@ -73,9 +78,11 @@ class LocalErrors:
         self._space = bubble_space(spaces)
         self._cells = spaces.body.mesh.topology.index_map(spaces.body.dimension).size_local
         self._rule = _rule(spaces, _MORE)
-        self._rule_of_stress = _rule(
-            spaces, _MORE if compat.is_tensor_cell(spaces.body.mesh) else 0
-        )
+        self._heat = None
+        if problem.conduction is not None:
+            self._heat = HeatErrors(problem, problem.conduction)
+        is_richer = compat.is_tensor_cell(spaces.body.mesh) or self._heat is not None
+        self._rule_of_stress = _rule(spaces, _MORE if is_richer else 0)
         self._error = fem.Function(self._space)
         self._test = ufl.TestFunction(self._space)
         dofs = self._space.dofmap.list[: self._cells]
@@ -90,7 +97,9 @@ class LocalErrors:
         self._held = _held_facets(problem)
         self._traction = fem.Function(spaces.displacement_space)
         elastic = problem.elastic
-        self._residual = self._compile(elastic.stress(), elastic.strain(self._test), self._test)
+        stress, beyond = elastic.stress(), self._stress_of_heat()
+        whole = stress if beyond is None else stress + beyond
+        self._residual = self._compile(whole, elastic.strain(self._test), self._test)
         test = ufl.TestFunction(spaces.displacement_space)
         self._response = self._compile(
             elastic.displacement_stress(test),
@@ -98,7 +107,8 @@ class LocalErrors:
             self._error,
             self._error_stress(),
         )
-        error_stress = self._error_stress()
+        self._expansion = self._response_of_heat(test, beyond)
+        error_stress = self._error_stress() if beyond is None else self._error_stress() + beyond
         on_scalars = [scalar.force_of(error_stress) for scalar in problem.body_scalars]
         self._on_scalars = [None if one is None else form_cache.form(one) for one in on_scalars]
         self._work = [self._work_on(trace) for _, trace in self._traces()]
@@ -117,6 +127,8 @@ class LocalErrors:
 
     def solve(self, forces: BulkForces, time: float) -> None:
         """Find the errors of a solution, in whose state the problem is; collective."""
+        if self._heat is not None:
+            self._heat.solve(forces.solution.states)
         right = self._assembled(self._residual)
         acting = self._problem.scene.path_time(time)
         for form, path in self._loads:
@@ -208,14 +220,55 @@ class LocalErrors:
         spaces = self._problem.spaces
         if draw is not None:
             self._set_error(self._signs(draw))
+        heat = None if self._heat is None else self._heat.heat()
         on_springs = [spaces.assemble(form) for form in self._response_on_springs]
-        every = (self._response, self._response_on_contacts)
+        every = (self._response, self._response_on_contacts, *self._expansion)
         found = np.add.reduce([*(spaces.assemble(form) for form in every), *on_springs])
         forms = self._on_scalars
         own = [0.0 if form is None else fem.assemble_scalar(form) for form in forms]
         on_scalars = np.asarray(total(self._problem.comm, np.array(own, dtype=np.float64)))
         self._set_error(np.ones(self._cells))
-        return ForcesOfErrors(found, on_scalars, on_springs)
+        return ForcesOfErrors(found, on_scalars, on_springs, heat)
+
+    def _stress_of_heat(self) -> Expr | None:
+        """Stress by what of temperatures no displacement of the elements follows, (3, 3), in UFL.
+
+        That of their errors, and of what a projection leaves of them; None without any.
+        """
+        if self._heat is None:
+            return None
+        return self._problem.elastic.heat_stress(self._heat.rise + self._heat.error)
+
+    def _response_of_heat(self, test: Expr, beyond: Expr | None) -> list[CompiledForm]:
+        """Work of that stress on test functions of displacements, with the sign of a force."""
+        if beyond is None:
+            return []
+        spaces = self._problem.spaces
+        measure = ufl.dx(spaces.body.mesh, metadata=self._rule_of_stress)
+        strain = self._problem.elastic.strain(test)
+        return [form_cache.form(-spaces.weight * ufl.inner(beyond, strain) * measure)]
+
+    @cached_property
+    def _energies_of_heat(self) -> list[CompiledForm]:
+        """Strain energy beyond that of the answer, by what temperatures have beyond its own."""
+        beyond = self._stress_of_heat()
+        if beyond is None:
+            return []
+        elastic, spaces = self._problem.elastic, self._problem.spaces
+        assert self._heat is not None
+        strain = elastic.heat_strain(self._heat.rise + self._heat.error)
+        density = -ufl.inner(elastic.stress() + 0.5 * beyond, strain)
+        measure = ufl.dx(spaces.body.mesh, metadata=self._rule_of_stress)
+        return [form_cache.form(spaces.weight * density * measure)]
+
+    def energy_of_heat(self) -> float:
+        """Strain energy that temperatures have beyond the answer's where it stands; collective."""
+        own = sum(fem.assemble_scalar(form) for form in self._energies_of_heat)
+        return float(total(self._problem.comm, float(own)))
+
+    def temperatures_at_points(self) -> dict[str, float]:
+        """Errors of temperatures at the scene's points, besides those of nodes; collective."""
+        return {} if self._heat is None else self._heat.at_points()
 
     def _error_stress(self) -> Expr:
         """Return the stress of the errors in UFL, (3, 3)."""
@@ -233,6 +286,9 @@ class LocalErrors:
         return signs
 
     def _set_error(self, factors: Array) -> None:
+        """Multiply the errors of the blocks of dofs, and of the temperatures of their cells."""
+        if self._heat is not None:
+            self._heat.take_signs(factors[self._blocks])
         scaled = factors[:, None] * self._found
         if self._mean_stress is not None:
             scaled = self._mean_stress.without(scaled)
