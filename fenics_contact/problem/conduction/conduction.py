@@ -141,7 +141,9 @@ class Conduction:
             heat: At all nodes of all ranks, (nodes,) (power); None for none.
             time: Pseudo-time at which it is so large; it grows evenly from nothing.
         """
-        self.bodies.disturbance = None if heat is None else Disturbance.growing(heat, self._path_time(time))
+        self.bodies.disturbance = (
+            None if heat is None else Disturbance.growing(heat, self._path_time(time))
+        )
 
     def follow(self, states: Sequence[ContactState], share: float = 1.0) -> bool:
         """Whether temperatures have changed with the pressures of a solve; collective.
@@ -286,7 +288,7 @@ class Conduction:
             states: Of all contacts.
         """
         across = np.zeros(self.bodies.count)
-        for _, heat in self.across(states):
+        for heat in self.across(states).values():
             across += heat
         bodies, rise = self.bodies, self._whole
         left = bodies.matrix @ rise - bodies.taken_in(self.time)
@@ -299,21 +301,29 @@ class Conduction:
         sums = np.bincount(self._parts, left - across)
         return float(np.abs(sums).max() / every)
 
-    def across(self, states: Sequence[ContactState]) -> list[tuple[ContactSurface, Array]]:
+    def across(self, states: Sequence[ContactState]) -> dict[int, Array]:
         """Heat that crosses each contact that conducts, into both bodies; collective.
 
         Args:
             states: Of all contacts, whose pressures say how much crosses.
 
         Returns:
-            Contacts, with what flows into all nodes of all ranks, (nodes,) (power).
+            By the contact's number, what flows into all nodes of all ranks, (nodes,) (power).
         """
-        found = []
-        for number, one, step in zip(self._numbers, self.contacts, self.steps(), strict=True):
+        return self._over(states, self.steps())
+
+    def by_unit_steps(self, states: Sequence[ContactState]) -> dict[int, Array]:
+        """What would cross if the slave were colder by one all over; all else as of ``across``."""
+        return self._over(states, [one.faces.astype(float) for one in self.contacts])
+
+    def _over(self, states: Sequence[ContactState], steps: Sequence[Array]) -> dict[int, Array]:
+        """Heat into all nodes by steps of temperature at the points; collective."""
+        found = {}
+        for number, one, step in zip(self._numbers, self.contacts, steps, strict=True):
             pair, heat = one.paired, np.zeros(self.bodies.count)
             conducted = one.weighted(one.conductances(states[number].contact_pressure) * step)
             onto_slave = pair.points.T @ conducted
             np.add.at(heat, pair.slave, onto_slave)
             np.add.at(heat, pair.master, -pair.onto_master(onto_slave))
-            found.append((one.contact, heat))
+            found[number] = heat
         return found

@@ -25,6 +25,7 @@ from fenics_contact.problem.loads.disturbance import Disturbance
 from fenics_contact.scene.loading.heat import Heat
 from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import Value
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +51,14 @@ class GivenFlow:
 
     Attributes:
         inward: Over area, in UFL, where the path is 1 (power/area).
+        given: The same as the scene gives it, for functions of position.
         on: The boundary.
         nodal: The same at all nodes of all ranks (power).
         path: Over pseudo-time.
     """
 
     inward: Expr
+    given: Value
     on: Group
     nodal: Array
     path: Callable[[float], float]
@@ -113,15 +116,16 @@ class HeatOfBodies:
         values = [float(one.conductivity or 0.0) for one in scene.material]
         self.conductivity = points.coefficient(points.evaluate("conductivity", values))
         form = spaces.weight * self.conductivity * ufl.inner(ufl.grad(trial), ufl.grad(test))
-        form = form * spaces.bulk
+        self.matrix = self._whole(form_cache.form(form * spaces.bulk))
         self.given: list[GivenRise] = []
         self.flows: list[GivenFlow] = []
         self.films: list[FilmOn] = []
         for number, heat in enumerate(scene.heat):
-            form += self._place(heat, f"heat[{number}]", trial)
-        self.matrix = self._whole(form_cache.form(form))
+            film = self._place(heat, f"heat[{number}]", trial)
+            if film is not None:
+                self.matrix += self._whole(form_cache.form(film))
 
-    def _place(self, heat: Heat, key: str, trial: Expr) -> ufl.Form:
+    def _place(self, heat: Heat, key: str, trial: Expr) -> ufl.Form | None:
         """Take in what a boundary has, and return what it adds to the matrix; collective."""
         spaces, path = self._spaces, KeyedPath(heat.path, f"{key}.path")
         group = spaces.body.boundary(heat.on, f"{key}.on")
@@ -133,24 +137,24 @@ class HeatOfBodies:
             )
             numbers, first = np.unique(rows[:, 0].astype(np.int64), return_index=True)
             self.given.append(GivenRise(group, numbers, rows[first, 1], path))
-            return ufl.Form([])
+            return None
         if heat.film is None:
             assert heat.flux is not None
             values = spaces.evaluate(heat.flux, nodes, f"{key}.flux")
-            self._take_in(spaces.coefficient(values, nodes), group, path)
-            return ufl.Form([])
+            self._take_in(spaces.coefficient(values, nodes), heat.flux, group, path)
+            return None
         coefficient = heat.film.coefficient
         inward = coefficient * (heat.film.temperature - self._reference)
         if inward != 0:
-            self._take_in(ufl.as_ufl(inward), group, path)
+            self._take_in(ufl.as_ufl(inward), inward, group, path)
         self.films.append(FilmOn(coefficient, group))
         film: ufl.Form = spaces.weight * coefficient * trial * self._test * measure
         return film
 
-    def _take_in(self, inward: Expr, on: Group, path: KeyedPath) -> None:
+    def _take_in(self, inward: Expr, given: Value, on: Group, path: KeyedPath) -> None:
         """Add what a boundary takes in, over area; collective."""
         work = self._spaces.weight * inward * self._test * self._spaces.boundary(on)
-        self.flows.append(GivenFlow(inward, on, self.nodal(form_cache.form(work)), path))
+        self.flows.append(GivenFlow(inward, given, on, self.nodal(form_cache.form(work)), path))
 
     def _whole(self, form: fem.Form) -> csr_matrix:
         """A matrix of all ranks, with the nodes' numbers over all of them; collective."""

@@ -176,6 +176,12 @@ class Estimates:
                 "The error by the mesh is not estimated where contacts wear: what was worn before "
                 "has a part in it."
             )
+        problem = self._problem
+        if source == "mesh" and problem.conduction is not None and problem.elastic.mixed:
+            return (
+                "The error by the mesh is not estimated where heat flows through nearly "
+                "incompressible material."
+            )
         return None
 
     def _too_dear(self, source: str) -> str | None:

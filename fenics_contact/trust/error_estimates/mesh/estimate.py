@@ -34,6 +34,7 @@ from fenics_contact.quantities.names import (
     CONTACT_RADIUS,
     EXTERNAL_WORK,
     FRICTION_WORK,
+    HEAT_FLOW,
     MAX_CONTACT_PRESSURE,
     SLIP_AREA,
     STICK_AREA,
@@ -148,10 +149,7 @@ def mesh_errors(
     if changes is None or scatter is None or curved is None or places is None:
         return None, local
     whole, at_random = changes
-    for name, error in local.at_points().items():
-        whole[name] += error
-    if STRAIN_ENERGY in whole:
-        whole[STRAIN_ENERGY] += abs(local.energy_of_heat())
+    _add_between_nodes(whole, local, solution.states)
     of_errors = _energies(recorded[-1][1], 0.5 * local.total**2)
     if problem.is_sprung:  # their energy and the body's may change against each other
         of_errors[STRAIN_ENERGY] *= 2
@@ -185,6 +183,25 @@ def mesh_errors(
     if hidden and notes is not None:
         notes.append(TOO_STIFF)
     return found or None, local  # no errors at all would say that the mesh makes none
+
+
+def _add_between_nodes(
+    whole: dict[Hashable, float], local: LocalErrors, states: Sequence[ContactState]
+) -> None:
+    """Add to changes what the errors of cells make besides those of nodes; collective.
+
+    Args:
+        whole: By quantity.
+        local: Solved.
+        states: Of all contacts.
+    """
+    found: dict[Hashable, float] = {**local.at_points(), STRAIN_ENERGY: abs(local.energy_of_heat())}
+    across = local.heat_across(states)
+    found |= {(number, HEAT_FLOW): heat for number, heat in across.items()}
+    found[HEAT_FLOW] = sum(across.values())
+    for key, error in found.items():
+        if key in whole:
+            whole[key] += error
 
 
 def _in_places(

@@ -45,6 +45,7 @@ from fenics_contact.quantities.names import (
     EXTERNAL_WORK,
     FRICTION_FORCE,
     FRICTION_WORK,
+    HEAT_FLOW,
     NORMAL_FORCE,
     PRESSURE_INTEGRAL,
     SLIP_AREA,
@@ -53,6 +54,7 @@ from fenics_contact.quantities.names import (
 )
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
+from fenics_contact.trust.error_estimates.mesh.heat_problems import missed_heat
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,
     Quantities,
@@ -117,11 +119,13 @@ class MissedForces:
         nodal: All forces, (nodes, components) (force).
         elastic: Work of those by missed stiffness on the displacement (energy).
         loads: Work of those by missed loads on it (energy).
+        heat: Missed heat at the nodes of all ranks, (nodes,) (power); None where none flows.
     """
 
     nodal: Array
     elastic: float
     loads: float
+    heat: Array | None
 
 
 class MissedBody:
@@ -146,6 +150,7 @@ class MissedBody:
         problem = self._problem
         functions = not all(load.acting.is_constant for load in problem.loads)
         functions |= any(callable(contact.pressure) for contact in problem.scene.contact)
+        functions |= any(callable(heat.flux) for heat in problem.scene.heat)
         return self._sides.offset is None and not functions
 
     def forces(self, solution: Solution, time: float) -> MissedForces:
@@ -166,7 +171,8 @@ class MissedBody:
         owned = slice(0, spaces.owned_nodes)
         works = [np.sum((moved * found)[owned]) for found in (elastic, loads)]
         done = total(self._problem.comm, np.array(works))
-        return MissedForces(elastic + loads, float(done[0]), float(done[1]))
+        heat = missed_heat(self._problem, self._sides)
+        return MissedForces(elastic + loads, float(done[0]), float(done[1]), heat)
 
     def _of_load(self, load: ActingLoad) -> Array:
         """Nodal forces of a load missed, where its path is 1."""
@@ -232,7 +238,7 @@ _NONE = 1e-12
 # What goes with the length of a surface; and with its pressure's integral where that is given.
 _AREAS = (CONTACT_AREA, STICK_AREA, SLIP_AREA)
 _OF_PRESSURE = (PRESSURE_INTEGRAL, FRICTION_FORCE, FRICTION_WORK)
-_ALL = (*_AREAS, *_OF_PRESSURE)
+_ALL = (*_AREAS, *_OF_PRESSURE, HEAT_FLOW)
 
 
 def geometry_errors(load_steps: LoadSteps, again: Again) -> dict[Hashable, float] | None:
@@ -283,6 +289,8 @@ def _again(
     def narrow(share: float, problem: Problem) -> None:
         if forces is not None:
             problem.disturbance = Disturbance.growing(share * forces.nodal, time)
+            if problem.conduction is not None and forces.heat is not None:
+                problem.conduction.disturb(share * forces.heat, time)
             problem.set_time(time)
         for (contact, one), gap in zip(gaps, before, strict=True):
             contact.set_gap(gap - share * one)
@@ -305,7 +313,7 @@ def _beside_forces(
     for number in range(len(load_steps.problem.contacts)):
         sizes = {name: float(np.linalg.norm(answer.get((number, name), 0.0))) for name in _ALL}
         longer = body.longer(number)
-        errors = {name: longer * sizes[name] for name in _AREAS}
+        errors = {name: longer * sizes[name] for name in (*_AREAS, HEAT_FLOW)}
         pressure = None if forces is None else body.of_pressure(number, load_steps.time)
         if pressure is not None:
             errors |= {name: pressure.share * sizes[name] for name in _OF_PRESSURE}

@@ -10,6 +10,7 @@ through films h (T∞ − T), which the error changes as well: there the left si
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import ufl
@@ -19,16 +20,35 @@ from ufl.core.expr import Expr
 
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import total
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.internal_forces import traction_of
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.conduction.conduction import Conduction
+from fenics_contact.problem.curved_sides import CurvedSides, sampled
 from fenics_contact.problem.problem import Problem
 from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_element
 
 # What one degree more adds to the integrands over the body's own.
 _MORE = 2
+
+
+@dataclass(frozen=True, eq=False)
+class _Surface:
+    """A surface through which heat crosses a contact.
+
+    Attributes:
+        number: Of the contact.
+        trace: On the surface.
+        work: Of its flux on the bubbles.
+        crossing: The same on the errors.
+    """
+
+    number: int
+    trace: Trace
+    work: fem.Form
+    crossing: fem.Form
 
 
 class HeatErrors:
@@ -65,10 +85,16 @@ class HeatErrors:
             (form_cache.form(self._on(flow.on, flow.inward * self._test)), flow.path)
             for flow in bodies.flows
         ]
-        self._contacts = [
-            (trace, form_cache.form(self._on(trace.group, self._flux * self._test)))
+        self._surfaces = [
+            _Surface(
+                problem.contacts.index(one.contact),
+                trace,
+                form_cache.form(self._on(trace.group, self._flux * self._test)),
+                form_cache.form(self._on(trace.group, self._flux * self.error)),
+            )
             for one in conduction.contacts
-            for trace in _traces(one.contact.trace, one.contact.sides.opposite)
+            for trace in (one.contact.trace, one.contact.sides.opposite)
+            if trace is not None
         ]
         self._response = self._response_of(ufl.TestFunction(bodies.space))
 
@@ -86,9 +112,10 @@ class HeatErrors:
             right += self._assembled(form)
         for form, path in self._flows:
             right += path(conduction.time) * self._assembled(form)
-        for (trace, form), heat in zip(self._contacts, self._across(states), strict=True):
-            self._set_flux(trace, heat)
-            right += self._assembled(form)
+        across = conduction.across(states)
+        for surface in self._surfaces:
+            self._set_flux(surface.trace, across[surface.number])
+            right += self._assembled(surface.work)
         self._found = np.linalg.solve(self._stiffness, right[:, :, None])[:, :, 0]
         self.take_signs(None)
 
@@ -112,25 +139,31 @@ class HeatErrors:
         As forces do of ``LocalErrors``, of all ranks, (nodes,) (power).
         """
         bodies = self._conduction.bodies
-        return np.add.reduce([bodies.nodal(form) for form in self._response])
+        return np.asarray(np.add.reduce([bodies.nodal(form) for form in self._response]))
 
-    def at_points(self) -> dict[str, float]:
-        """Errors of temperatures at the scene's points, besides those of nodes; collective."""
-        found = self._problem.points.of_function(self.error)
-        return {name: float(np.linalg.norm(error)) for name, error in found.items()}
+    def across(self, states: Sequence[ContactState]) -> dict[int, float]:
+        """How much more crosses contacts by the errors beside those of nodes; collective.
 
-    def _across(self, states: Sequence[ContactState]) -> list[Array]:
-        """Heat into the nodes of this rank, for each surface of ``_contacts``; collective."""
-        numbers, found = self._conduction.bodies.numbers, []
-        for contact, heat in self._conduction.across(states):
-            sides = _traces(contact.trace, contact.sides.opposite)
-            found += [heat[numbers]] * len(sides)
-        return found
+        Args:
+            states: Of all contacts.
+
+        Returns:
+            By the contact's number, the size of it (power).
+        """
+        found = dict.fromkeys((surface.number for surface in self._surfaces), 0.0)
+        by_steps = self._conduction.by_unit_steps(states)
+        for surface in self._surfaces:
+            self._set_flux(surface.trace, by_steps[surface.number])
+            own = float(np.real(fem.assemble_scalar(surface.crossing)))
+            found[surface.number] += float(total(self._spaces.comm, own))
+        return {number: abs(heat) for number, heat in found.items()}
 
     def _set_flux(self, trace: Trace, heat: Array) -> None:
-        surface = trace.surface
-        flux = surface.on_body(traction_of(surface, heat[surface.body_nodes, None]))
-        self._flux.x.array[self._conduction.bodies.scalar_of_node] = flux[:, 0]
+        """Take a flux whose heat at the nodes of a surface is given, of all nodes; collective."""
+        surface, bodies = trace.surface, self._conduction.bodies
+        nodal = heat[bodies.numbers[surface.body_nodes]]
+        flux = surface.on_body(traction_of(surface, nodal[:, None]))
+        self._flux.x.array[bodies.scalar_of_node] = flux[:, 0]
 
     def _stiffnesses(self, trial: Expr) -> Array:
         """Matrix of every cell of this rank, (cells, dofs, dofs)."""
@@ -142,8 +175,9 @@ class HeatErrors:
             forms.append(film.coefficient * self._on(film.on, trial * self._test))
         found = np.zeros((self._cells, self._count, self._count))
         for form in forms:
-            data = fem.assemble_matrix(form_cache.form(form)).to_scipy().data
-            found += data.reshape(-1, self._count, self._count)[: self._cells]
+            entries = fem.assemble_matrix(form_cache.form(form)).to_scipy().tocoo()
+            cells, rows = np.divmod(entries.row, self._count)
+            found[cells, rows, entries.col % self._count] += entries.data
         return found
 
     def _on(self, group: Group, integrand: Expr) -> ufl.Form:
@@ -179,7 +213,7 @@ class HeatErrors:
         work = [self._work(test, self.error, test, self.error)]
         normal = ufl.FacetNormal(self._spaces.body.mesh)
         flux = bodies.conductivity * ufl.dot(ufl.grad(test), normal)
-        work += [self._on(trace.group, flux * self.error) for trace, _ in self._contacts]
+        work += [self._on(one.trace.group, flux * self.error) for one in self._surfaces]
         work += [-film.coefficient * self._on(film.on, self.error * test) for film in bodies.films]
         return [form_cache.form(one) for one in work]
 
@@ -197,5 +231,42 @@ class HeatErrors:
         return np.array(vector.array[: self._cells * self._count]).reshape(self._cells, -1)
 
 
-def _traces(*found: Trace | None) -> list[Trace]:
-    return [one for one in found if one is not None]
+def missed_heat(problem: Problem, sides: CurvedSides) -> Array | None:
+    """Heat at the nodes of all ranks that stands for what a mesh misses; collective.
+
+    What lies between facets and the curves that they stand for conducts, too, and functions that
+    fluxes are given by are interpolated between nodes. As forces do of ``MissedBody``.
+
+    Args:
+        problem: The model.
+        sides: Of its bodies.
+
+    Returns:
+        (nodes,) (power); None where no heat flows.
+    """
+    conduction = problem.conduction
+    if conduction is None:
+        return None
+    spaces, bodies, forms = problem.spaces, conduction.bodies, list[ufl.Form]()
+    test, rise = ufl.TestFunction(bodies.space), fem.Function(bodies.space)
+    rise.x.array[bodies.scalar_of_node] = conduction.rise
+    if sides.offset is not None:
+        density = spaces.weight * sides.offset * bodies.conductivity
+        density *= ufl.inner(ufl.grad(rise), ufl.grad(test))
+        held = np.zeros(len(sides.facets), dtype=bool)
+        for given in bodies.given:
+            held |= sides.within(given.on)
+        forms += [density * sides.measure(held), -density * sides.measure(~held)]
+        for film in bodies.films:
+            lost = spaces.weight * film.coefficient * sides.stretch * rise * test
+            forms.append(-lost * sides.measure(sides.within(film.on)))
+    for flow in bodies.flows:
+        factor, key = flow.path(conduction.time), "heat.flux"
+        if callable(flow.given):
+            more = sampled(spaces, (flow.given,), flow.on, key) - flow.inward
+            forms.append(factor * spaces.weight * more * test * spaces.boundary(flow.on))
+        if sides.offset is not None:
+            more = spaces.weight * flow.inward * sides.stretch * test
+            forms.append(factor * more * sides.measure(sides.within(flow.on)))
+    nodal = [bodies.nodal(form_cache.form(form)) for form in forms]
+    return np.asarray(np.add.reduce([np.zeros(bodies.count), *nodal]))

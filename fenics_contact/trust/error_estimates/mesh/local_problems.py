@@ -12,6 +12,7 @@ temperatures, u expands by these with their errors (``heat_problems``), which ar
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -29,6 +30,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.internal_forces import traction_of
 from fenics_contact.evaluate.nodal_forces import BulkForces
@@ -266,9 +268,16 @@ class LocalErrors:
         own = sum(fem.assemble_scalar(form) for form in self._energies_of_heat)
         return float(total(self._problem.comm, float(own)))
 
-    def temperatures_at_points(self) -> dict[str, float]:
-        """Errors of temperatures at the scene's points, besides those of nodes; collective."""
-        return {} if self._heat is None else self._heat.at_points()
+    def heat_across(self, states: Sequence[ContactState]) -> dict[int, float]:
+        """How much more heat crosses contacts by errors beside those of nodes; collective.
+
+        Args:
+            states: Of all contacts.
+
+        Returns:
+            By the contact's number, the size of it (power).
+        """
+        return {} if self._heat is None else self._heat.across(states)
 
     def _error_stress(self) -> Expr:
         """Return the stress of the errors in UFL, (3, 3)."""
