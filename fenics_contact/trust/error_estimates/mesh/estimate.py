@@ -195,7 +195,8 @@ def _add_between_nodes(
         local: Solved.
         states: Of all contacts.
     """
-    found: dict[Hashable, float] = {**local.at_points(), STRAIN_ENERGY: abs(local.energy_of_heat())}
+    found: dict[Hashable, float] = {STRAIN_ENERGY: abs(local.energy_of_heat())}
+    found.update(local.at_points())
     across = local.heat_across(states)
     found |= {(number, HEAT_FLOW): heat for number, heat in across.items()}
     found[HEAT_FLOW] = sum(across.values())
