@@ -140,6 +140,7 @@ class ElasticBody:
             None if face.described.is_rigid else SpreadForces(face, f"coupling[{n}]", spaces)
             for n, face in enumerate(self.faces)
         ]
+        self._ways: list[MotionForces | PointForces] = []
         self.ties = sum(len(one.nodal) for one in self.spreads if one is not None)
         self.scalar_stiffness = np.diag([one.stiffness for one in self.scalar_forces])
         self._couple_parts()
@@ -191,6 +192,7 @@ class ElasticBody:
         self.scalar_stiffness[first:, :] = works.T
         for number, way in enumerate(ways):
             way.follow(self.scalar_forces[:first], works[:first, number])
+        self._ways = ways
         for row, tie in enumerate(ties, len(self._parts)):
             column = next(n for n, way in enumerate(ways, first) if way.present is tie.partner)
             self.scalar_stiffness[[row, column], [column, row]] = tie.tie
@@ -239,6 +241,19 @@ class ElasticBody:
         for tight in self.scalar_forces[:first]:
             tight.others.clear()
         self._couple_parts()
+        self._renew_ways()
+
+    def _renew_ways(self) -> None:
+        """Find what parts with other temperatures do in the motions of faces; collective."""
+        own, parts = slice(self._spaces.owned_nodes), self.scalar_forces[: len(self._parts)]
+        first = len(self.scalar_forces) - len(self._ways)
+        for column, way in enumerate(self._ways, first):
+            works = np.array([np.sum(part.nodal[own] * way.moved[own]) for part in parts])
+            works = np.asarray(total(self._spaces.comm, works))
+            self.scalar_stiffness[: len(parts), column] = works
+            self.scalar_stiffness[column, : len(parts)] = works
+            way.others.clear()
+            way.follow(self.scalar_forces[:first], self.scalar_stiffness[:first, column])
 
     @property
     def forces_of_heated(self) -> list[ScalarForces]:

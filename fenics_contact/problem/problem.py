@@ -124,7 +124,7 @@ class Problem:
             )
             self.conduction: Conduction | None = None
             if scene.heat:
-                self.conduction = Conduction(scene, self.spaces, self.contacts)
+                self.conduction = Conduction(scene, self.spaces, self.contacts, discrete.cut)
                 discrete.serve_many()  # a load step is solved for one temperature after the other
             self.load_site = LoadSite(discrete, scene.material)
             self.loads = given_loads(scene.load, self.load_site)

@@ -155,9 +155,7 @@ def _require_heat(scene: CoreScene) -> None:
         return
     others = {
         "temperature": bool(scene.temperature),
-        "coupling": bool(scene.coupling),
         "half_space": scene.half_space is not None,
-        "cyclic_symmetry": scene.cyclic_symmetry is not None,
         "accuracy": scene.accuracy is not None,
         **dict.fromkeys(registry.tables_not_with(scene, "heat"), True),
     }

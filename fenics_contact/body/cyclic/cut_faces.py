@@ -156,6 +156,16 @@ class CutFaces:
         is_alike = bool((on != outside)[follows].all())
         return bool(on.any() or against.any()), is_alike
 
+    @property
+    def scalar_shares(self) -> tuple[Integers, Integers, csr_matrix]:
+        """How values without a direction, such as temperatures, follow at nodes of ``on``.
+
+        Returns:
+            Numbers of the nodes off the axis that follow, those of the nodes of both faces, and
+            shares of these in them, (nodes that follow, nodes of both).
+        """
+        return self._off_axis, self._nodes_of_both, self._shares
+
     def shares_among(self, numbers: Integers) -> tuple[Integers, csr_matrix]:
         """Nodes off the axis that follow from others of the same set, and shares of these in them.
 

@@ -41,13 +41,18 @@ class CondensedHeat:
     def __init__(self, bodies: HeatOfBodies, surfaces: Integers, parts: Integers) -> None:
         self._bodies, self._parts = bodies, parts
         self._given, _ = bodies.given_at(0.0)
-        free = np.ones(bodies.count, dtype=bool)
+        free = ~bodies.follows
         free[self._given] = False
         self._free = np.flatnonzero(free)
-        self._surfaces = np.unique(surfaces)
+        self._following = bodies.following
+        self._folded = csr_matrix(self._following.T @ bodies.matrix @ self._following)
+        self._at_contacts = np.unique(surfaces)
+        ahead = self._following[self._at_contacts]
+        self._surfaces = np.unique(ahead.indices).astype(np.int64)
+        self._ahead = csr_matrix(ahead[:, self._surfaces])
         self._moves = free[self._surfaces]  # the others have a given temperature
         self._at_surfaces = np.searchsorted(self._free, self._surfaces[self._moves])
-        self._matrix = csr_matrix(bodies.matrix[self._free][:, self._free])
+        self._matrix = csr_matrix(self._folded[self._free][:, self._free])
         self._has_datum = self._parts_with_datum()
         self._least = _NOTHING * abs(bodies.matrix).max()
         self._factor: LocalFactor | None = None
@@ -85,7 +90,7 @@ class CondensedHeat:
         found[self._at_surfaces] = cho_solve(factor, right)
         inside = self._factor.solve(load - self._matrix @ found)
         rise[self._free] = found + inside
-        return rise
+        return np.asarray(self._following @ rise)
 
     def _factorised(self) -> LocalFactor:
         size = len(self._free)
@@ -104,22 +109,26 @@ class CondensedHeat:
             rise = np.zeros(bodies.count)
             given, held = bodies.given_at(time)
             rise[given] = held
-            load = (bodies.taken_in(time) - bodies.matrix @ rise)[self._free]
+            taken_in = self._following.T @ bodies.taken_in(time)
+            load = (taken_in - self._folded @ rise)[self._free]
             left = load - self._matrix @ self._factor.solve(load)
             self._load = (time, bodies.disturbance), load, left[self._at_surfaces]
         return self._load[1:]
 
     def _of_contacts(self, paired: Sequence[PairedHeat], conducted: Sequence[csr_matrix]) -> Array:
         """Dense matrix of contacts' conductances between surface nodes (power/temperature)."""
-        found = np.zeros((len(self._surfaces), len(self._surfaces)))
+        nodes = self._at_contacts
+        found = np.zeros((len(nodes), len(nodes)))
         for pair, own in zip(paired, conducted, strict=True):
-            slave, master = (np.searchsorted(self._surfaces, n) for n in (pair.slave, pair.master))
+            slave, master = (np.searchsorted(nodes, n) for n in (pair.slave, pair.master))
             across = own @ pair.opposites
             found[np.ix_(slave, slave)] += own.toarray()
             found[np.ix_(slave, master)] -= across
             found[np.ix_(master, slave)] -= across.T
             found[np.ix_(master, master)] += pair.opposites.T @ across
-        return found
+        if not self._bodies.follows.any():
+            return found
+        return np.asarray(self._ahead.T @ (self._ahead.T @ found.T).T)
 
     def _parts_with_datum(self) -> Flags:
         """Whether each part has a given temperature, or a film: one that a uniform rise feeds."""
@@ -137,7 +146,9 @@ class CondensedHeat:
             InputError: One has not.
         """
         count, least = len(self._has_datum), self._least
-        rows, columns = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+        cut = self._following[self._bodies.follows].tocoo()
+        rows = [self._parts[self._bodies.follows][cut.row]]
+        columns = [self._parts[cut.col]]
         for pair, own in zip(paired, conducted, strict=True):
             met = csr_matrix(pair.coupling)[own.diagonal() > least].tocoo()
             rows.append(self._parts[pair.slave[own.diagonal() > least][met.row]])

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError, NotConvergedError
@@ -58,12 +59,19 @@ class Conduction:
         scene: With its heat.
         spaces: Those of the body.
         contacts: All, in scene order.
+        cut: The cut faces of a sector, or None.
     """
 
-    def __init__(self, scene: Scene, spaces: Spaces, contacts: Sequence[ContactSurface]) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        spaces: Spaces,
+        contacts: Sequence[ContactSurface],
+        cut: CutFaces | None,
+    ) -> None:
         self._spaces, self._comm, self._every = spaces, spaces.comm, contacts
         self._path_time = scene.path_time
-        self.bodies = HeatOfBodies(scene, spaces)
+        self.bodies = HeatOfBodies(scene, spaces, cut)
         self.contacts = [
             HeatOfContact(contact, self.bodies)
             for contact in contacts
@@ -291,7 +299,8 @@ class Conduction:
         for heat in self.across(states).values():
             across += heat
         bodies, rise = self.bodies, self._whole
-        left = bodies.matrix @ rise - bodies.taken_in(self.time)
+        fold = bodies.following.T
+        left, across = fold @ (bodies.matrix @ rise - bodies.taken_in(self.time)), fold @ across
         given, _ = bodies.given_at(self.time)
         every = float(np.abs(left[given]).sum() + np.abs(bodies.taken_in(self.time)).sum())
         every += _NEGLIGIBLE * float((abs(bodies.matrix) @ np.abs(rise)).sum())

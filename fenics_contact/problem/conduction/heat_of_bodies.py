@@ -12,13 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 import ufl
 from dolfinx import fem
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, identity
 from ufl.core.expr import Expr
 
+from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.materials import MaterialPoints
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import gather_rows
 from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.loads.disturbance import Disturbance
@@ -26,6 +28,9 @@ from fenics_contact.scene.loading.heat import Heat
 from fenics_contact.scene.loading.load_paths import KeyedPath
 from fenics_contact.scene.scene import Scene
 from fenics_contact.scene.values import Value
+
+# Of the largest temperature that a boundary is given; and of shares of nodes.
+_SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +85,8 @@ class FilmOn:
 class HeatOfBodies:
     """Conduction in the bodies of a scene; collective.
 
+    Where a sector stands for a ring, nodes of one cut face have the temperatures of the other.
+
     Attributes:
         numbers: Of each node of this rank, over all ranks.
         count: Nodes of all ranks.
@@ -91,18 +98,23 @@ class HeatOfBodies:
         conductivity: In the cells, in UFL (power/length/temperature).
         space: That of the rise.
         scalar_of_node: The dof of ``space`` at each node of this rank.
+        following: From the values of all nodes, of which those that follow across a cut do not
+            count, to those of all, (nodes of all ranks, nodes of all ranks); on every rank.
+        follows: Which nodes follow, (nodes of all ranks,).
         disturbance: Heat that flows in besides the scene's, at all nodes of all ranks (power), to
             see what it does; or None.
 
     Args:
         scene: With its heat and conductivities.
         spaces: Those of the body.
+        cut: The cut faces of a sector, or None.
 
     Raises:
-        InputError: A boundary of heat is none of the body, or a value cannot be evaluated.
+        InputError: A boundary of heat is none of the body, a value cannot be evaluated, or one cut
+            face has other temperatures than the other one.
     """
 
-    def __init__(self, scene: Scene, spaces: Spaces) -> None:
+    def __init__(self, scene: Scene, spaces: Spaces, cut: CutFaces | None = None) -> None:
         self._spaces, self.is_plane = spaces, spaces.body.dimension == 2
         self.space, self.scalar_of_node = space, scalar_of_node = spaces.scalar_space()
         index_map = space.dofmap.index_map
@@ -124,6 +136,44 @@ class HeatOfBodies:
             film = self._place(heat, f"heat[{number}]", trial)
             if film is not None:
                 self.matrix += self._whole(form_cache.form(film))
+        self.follows = np.zeros(self.count, dtype=bool)
+        self.following = identity(self.count, format="csr")
+        if cut is not None:
+            self._follow(cut)
+
+    def _follow(self, cut: CutFaces) -> None:
+        """Let nodes of one cut face have the temperatures of the other; collective.
+
+        Raises:
+            InputError: On every rank; only one of them has a given temperature, or another one.
+        """
+        spaces = self._spaces
+        own = np.arange(spaces.owned_nodes, dtype=np.int32)
+        there = spaces.displacement_space.dofmap.index_map.local_to_global(own)
+        rows = np.column_stack([there, self.numbers[: spaces.owned_nodes]])
+        places, numbers = gather_rows(spaces.comm, rows).T
+        numbers = numbers[np.argsort(places)]
+        slaves, nodes, shares = cut.scalar_shares
+        slaves, entries = numbers[slaves], shares.tocoo()
+        ahead = slaves[entries.row], numbers[nodes[entries.col]]
+        self.follows[slaves] = True
+        kept = np.flatnonzero(~self.follows)
+        values = np.concatenate([np.ones(len(kept)), entries.data])
+        at = tuple(np.concatenate([kept, one]) for one in ahead)
+        self.following = csr_matrix((values, at), shape=(self.count, self.count))
+        self._require_alike(cut)
+
+    def _require_alike(self, cut: CutFaces) -> None:
+        """Refuse temperatures that are given on one cut face and not, turned, on the other."""
+        for given in self.given:
+            rise = np.zeros((self.count, 2))
+            rise[given.numbers] = np.column_stack([given.rise, np.ones(len(given.rise))])
+            off = np.abs(self.following @ rise - rise).max(axis=0, initial=0.0)
+            if off[1] > _SAME or off[0] > _SAME * np.abs(given.rise).max(initial=0.0):
+                raise InputError(
+                    f"heat: temperatures are given at points of '{cut.given.on}' otherwise than at "
+                    f"those of '{cut.given.against}', turned; give the same ones on both"
+                )
 
     def _place(self, heat: Heat, key: str, trial: Expr) -> ufl.Form | None:
         """Take in what a boundary has, and return what it adds to the matrix; collective."""
@@ -186,9 +236,10 @@ class HeatOfBodies:
     def given_at(self, time: float) -> tuple[Integers, Array]:
         """Numbers of nodes whose rise is given at a pseudo-time, and that rise (temperature).
 
-        Where boundaries meet, the first one counts.
+        Without those that follow across a cut. Where boundaries meet, the first one counts.
         """
         numbers = [np.zeros(0, dtype=np.int64), *(one.numbers for one in self.given)]
         rises = [np.zeros(0), *(one.path(time) * one.rise for one in self.given)]
         found, first = np.unique(np.concatenate(numbers), return_index=True)
-        return found, np.concatenate(rises)[first]
+        moves = ~self.follows[found]
+        return found[moves], np.concatenate(rises)[first[moves]]

@@ -218,10 +218,13 @@ class HeatErrors:
         return [form_cache.form(one) for one in work]
 
     def _held(self) -> NDArray[np.int32]:
-        """(cell, local facet) where the temperature is given."""
+        """(cell, local facet) where the temperature is given, and of the cut of a sector."""
+        spaces, sector = self._spaces, self._problem.scene.cyclic_symmetry
+        groups = [one.on for one in self._conduction.bodies.given]
+        names = [] if sector is None else [sector.on, sector.against]
+        groups += [spaces.body.boundary(name, "cyclic_symmetry") for name in names]
         none = np.zeros((0, 2), dtype=np.int32)
-        given = self._conduction.bodies.given
-        facets = np.concatenate([none, *(self._spaces.facets(one.on) for one in given)])
+        facets = np.concatenate([none, *(spaces.facets(group) for group in groups)])
         return np.unique(facets, axis=0).astype(np.int32).reshape(-1)
 
     def _assembled(self, form: fem.Form) -> Array:
