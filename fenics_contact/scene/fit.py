@@ -446,7 +446,6 @@ def _require_sector(scene: CoreScene) -> None:
     others = {
         "half_space": scene.half_space is not None,
         "motion": scene.motion is not None,
-        "accuracy": scene.accuracy is not None,
         "solver.solver = 'iterative'": scene.solver.solver == "iterative",
         **dict.fromkeys(registry.tables_not_with(scene, "cyclic symmetry"), True),
         **{

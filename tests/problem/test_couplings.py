@@ -9,6 +9,7 @@ from mpi4py import MPI
 from fenics_contact import (
     Contact,
     Coupling,
+    Discretisation,
     HalfSpace,
     Load,
     Material,
@@ -219,6 +220,24 @@ def test_a_bolt_that_ends_at_the_face():
         loose = replace(scene.coupling[0], displacement={"y": 0})
         free = run(replace(scene, coupling=(loose,), preload=()), body=box_body((4, 2), (2, 0.5)))
         assert free.couplings[0].displacement == pytest.approx([0, 0], abs=1e-14)
+
+
+@pytest.mark.errors
+def test_the_traction_on_a_rigid_face_is_no_error():
+    """Bars of a bar that is pulled are about as large as what a finer mesh changes."""
+    scene = Scene(
+        kinematics="plane stress",
+        material=Material(1000, 0.3),
+        support=(Support("x0", {"x": 0}),),
+        symmetry=("y0",),
+        discretisation=Discretisation(1),
+        coupling=(Coupling("x1", force=(3.0, 0.0)),),
+        solver=SolverSettings(errors="all"),
+    )
+    coarse = run(scene, body=box_body((4, 2), (2, 0.5))).couplings[0]
+    fine = run(replace(scene, solver=QUIET), body=box_body((32, 16), (2, 0.5))).couplings[0]
+    apart = abs(coarse.displacement[0] - fine.displacement[0])
+    assert apart < coarse.errors["displacement"]["total"] < 5 * apart
 
 
 @pytest.mark.errors

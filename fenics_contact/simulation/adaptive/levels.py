@@ -19,7 +19,7 @@ import numpy as np
 
 from fenics_contact.common.errors import FenicsContactError, StoppedError
 from fenics_contact.common.failures import attempt
-from fenics_contact.common.parallel import from_root
+from fenics_contact.common.parallel import from_root, total
 from fenics_contact.quantities.names import STRAIN_ENERGY
 from fenics_contact.results.check_messages import (
     energy_line,
@@ -114,7 +114,7 @@ class AdaptiveRun:
             if result.interrupted:
                 self.run = run
                 return self._interrupted(result)
-            errors = relative_errors(result, self.asked, run.scene.names)
+            errors = relative_errors(result, self.asked, run.scene.names, _applied(run))
             self._note(run, result, errors)
             self.run, last = run, result
             coarse = run.end.budget.coarse
@@ -295,6 +295,12 @@ class AdaptiveRun:
                 asked=self.asked, reached=not reason, reason=reason, by_energy=self._by_energy
             ),
         )
+
+
+def _applied(run: Run) -> float:
+    """Sum of the sizes of the loads' nodal forces at present (force); collective."""
+    problem = run.problem
+    return float(total(problem.comm, np.abs(problem.load[: problem.spaces.owned_nodes]).sum()))
 
 
 def _over_energy(local: LocalErrors, energy: float) -> float | None:

@@ -156,13 +156,17 @@ def adaptive_plan(run: Run) -> str:
 _SMALL = 0.01
 
 
-def relative_errors(result: Result, asked: Mapping[str, float], names: QuantityNames) -> Errors:
+def relative_errors(
+    result: Result, asked: Mapping[str, float], names: QuantityNames, applied: float = 0.0
+) -> Errors:
     """Return the relative errors of the requested quantities, by source.
 
     Args:
         result: With ``errors``.
         asked: The quantities by their names.
         names: Those of its scene.
+        applied: Sum of the sizes of the loads' nodal forces: where they balance each other, the
+            resultants of contacts and supports are round-off (force).
 
     Returns:
         By name; without sources, and None in total, where the answer has no such quantity.
@@ -175,7 +179,7 @@ def relative_errors(result: Result, asked: Mapping[str, float], names: QuantityN
         row = errors.get(quantity) or {"mesh": None, "total": None}
         if values.get(quantity) is None:
             row = {"total": None}
-        size = _size(result, values, quantity)
+        size = _size(result, values, quantity, applied)
         found[text] = {source: _over(error, size) for source, error in row.items()}
     return found
 
@@ -213,7 +217,7 @@ def _given(values: Quantities, quantity: str) -> str:
     return row.instead if row is not None and has_other else quantity
 
 
-def _size(result: Result, values: Quantities, quantity: str) -> float:
+def _size(result: Result, values: Quantities, quantity: str, applied: float) -> float:
     """Return the size that errors of a quantity are relative to; 0 where it is not known."""
     row = table.find(quantity)
     by = _given(values, (row and row.relative_to) or quantity)
@@ -226,8 +230,9 @@ def _size(result: Result, values: Quantities, quantity: str) -> float:
         least = _SMALL * force
     elif quantity == REACTION_MOMENT:
         least = _SMALL * sizes_of({}, result.reactions.values())[table.measured_by(quantity)]
-    elif quantity.startswith(OF_POINTS) and force > 0:
-        least = _SMALL * 2 * result.quantities[STRAIN_ENERGY] / force  # that goes with the force
+    elif quantity.startswith(OF_POINTS) and max(force, applied) > 0:
+        # The displacement that goes with the forces.
+        least = _SMALL * 2 * result.quantities[STRAIN_ENERGY] / max(force, applied)
     return max(float(np.linalg.norm(value)), least)
 
 

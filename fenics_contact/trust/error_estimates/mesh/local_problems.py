@@ -418,12 +418,13 @@ def _nodal_forces(forces: BulkForces, contact: ContactSurface, trace: Trace) -> 
 
 
 def _held_facets(problem: Problem) -> NDArray[np.int32]:
-    """(cell, local facet) where supports act: there the traction is the cell's own.
+    """(cell, local facet) where supports act, or faces are rigid: the traction is the cell's own.
 
     Without those on the axis of revolution, which have no area.
     """
     scene, spaces = problem.scene, problem.spaces
     names = [support.on for support in scene.support if not support.is_elastic]
+    names += [coupling.on for coupling in scene.coupling if coupling.is_rigid]
     names += list(scene.symmetry)
     names += [] if scene.half_space is None else list(scene.half_space.on)
     sector = scene.cyclic_symmetry
