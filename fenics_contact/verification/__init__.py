@@ -6,6 +6,7 @@ A module of cases ends with tuples of them; the one below lists them all.
 from fenics_contact.verification.calculix.beams import CALCULIX_BEAM_CASES
 from fenics_contact.verification.calculix.rings import CALCULIX_RING_CASES
 from fenics_contact.verification.case import Case, Finding, Outcome
+from fenics_contact.verification.cells import CELLS_CASES
 from fenics_contact.verification.exact import EXACT_CASES
 from fenics_contact.verification.memory_check import MEMORY_CASES
 from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
@@ -49,6 +50,7 @@ CASES: tuple[Case, ...] = (
     *CYCLE_CASES,
     *PAIR_CASES,
     *PAIR_WAYS_CASES,
+    *CELLS_CASES,
     *HERTZ_PAIR_CASES,
     *INCLINE_CASES,
     *NONLOCAL_FRICTION_CASES,
