@@ -5,7 +5,7 @@ Backwards through the laws at the points, by their tangents.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
@@ -193,6 +193,116 @@ def vjp(contact: ContactSurface, answers: AnswerGradient) -> GivenGradient:
         interference=answers.interference,
         direction=answers.direction,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class FoundGradient:
+    """Gradient of a quantity in what an exact solver is given at the points of a contact.
+
+    Attributes:
+        gap: In the gap that is left, by what the forces do, (points,).
+        slip: In the slip that counts, likewise, (points, components).
+        bound: In the bound of friction, (points,) (1/stress).
+        elastic_slip: In ε, (points,).
+        traction: In the traction along the surface, forces being held, (points, components): what
+            a direction that friction goes by changes.
+    """
+
+    gap: Array
+    slip: Array
+    bound: Array
+    elastic_slip: Array
+    traction: Array
+
+
+def of_found_forces(contact: ContactSurface, answers: AnswerGradient) -> tuple[Array, Array]:
+    """Gradient in pressures and tractions that were found, (points,) and (points, components).
+
+    Args:
+        contact: The contact.
+        answers: Gradient of the quantity in what happens there.
+    """
+    tractions = contact.kinematics.tangential(answers.friction)
+    if contact.normal.pressure_is_known:
+        return np.zeros_like(answers.pressure), tractions
+    assert contact.found is not None
+    stored = contact.penalty_parameter * contact.found.pressure * answers.energy
+    return answers.pressure + stored, tractions
+
+
+def of_found_jump(contact: ContactSurface, answers: AnswerGradient) -> tuple[Array, Array]:
+    """Gradient in the jump and in the slip that counts, forces at the points being held.
+
+    Args:
+        contact: The contact.
+        answers: Gradient of the quantity in what happens there.
+
+    Returns:
+        (points, components) each; the first contains the second.
+    """
+    kinematics = contact.kinematics
+    slip = kinematics.tangential(kinematics.jump_at_points())
+    closed = np.zeros(len(slip), dtype=bool) if contact.found is None else contact.found.closed
+    of_way, _ = contact.friction.vjp_state_update(slip, closed, answers.state)
+    of_way = kinematics.tangential(of_way)
+    depth = np.where(kinematics.reached, answers.depth, 0.0)
+    jump = answers.jump + kinematics.tangential(answers.slip) + of_way
+    return jump + depth[:, None] * contact.trace.normals, of_way
+
+
+def vjp_of_found(
+    contact: ContactSurface, answers: AnswerGradient, found: FoundGradient
+) -> GivenGradient:
+    """At a state whose forces an exact solver found, from what it is given.
+
+    Args:
+        contact: The contact.
+        answers: Gradient of the quantity in what happens there.
+        found: In what the solver is given.
+    """
+    kinematics, friction = contact.kinematics, contact.friction
+    jump, of_way = of_found_jump(contact, answers)
+    slip = kinematics.tangential(kinematics.jump_at_points())
+    assert contact.found is not None
+    pressure, closed = contact.pressure(), contact.found.closed
+    rule = friction.rule.vjp(pressure, friction.factor * found.bound)
+    of_law = {**rule.fields, "regularisation_parameter": found.elastic_slip}
+    _, of_others = friction.vjp_state_update(slip, closed, answers.state)
+    for more in (*_of_metric(contact, found, slip), of_others):
+        for name, values in more.items():
+            of_law[name] = of_law[name] + values if name in of_law else values
+    depth = np.where(kinematics.reached, answers.depth, 0.0)
+    of_given = contact.normal.pressure_is_known
+    of_penalty = (
+        found.gap * contact.found.pressure + 0.5 * contact.found.pressure**2 * answers.energy
+    )
+    slopes = contact.normal.field_slopes("penalty_parameter", 1.0)
+    return GivenGradient(
+        jump=jump + found.slip - found.gap[:, None] * contact.trace.normals,
+        gap=found.gap - depth,
+        pressure=answers.pressure + (rule.pressure if of_given else 0.0),
+        across={name: of_penalty / slope for name, slope in slopes.items()},
+        along=of_law,
+        state={name: of_law[name] for name in friction.derived_state if name in of_law},
+        reference=-found.slip - of_way,
+        brought_up=answers.brought_up,
+        indentation=answers.indentation,
+        angle=answers.angle,
+        interference=answers.interference,
+        direction=answers.direction,
+    )
+
+
+def _of_metric(
+    contact: ContactSurface, found: FoundGradient, slip: Array
+) -> Iterator[Mapping[str, Array]]:
+    """Gradients in parameters of M, by which friction feels M s and tractions are M q, by name."""
+    friction = contact.friction
+    metric = friction.rule.metric
+    assert contact.found is not None
+    pulled = metric.undone(contact.found.traction)
+    yield metric.gradients(metric.undone(found.slip), friction.effective_slip(slip))
+    yield metric.gradients(found.traction, pulled)
 
 
 def along(contact: ContactSurface, gradient: GivenGradient, change: GivenChange) -> float:

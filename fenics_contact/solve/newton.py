@@ -169,17 +169,18 @@ class Newton(SnesSolve):
             self._most = None
         self.system.take(self.system.state)
 
-    def solve_exactly(self, exact: ExactSolver) -> Solution:
+    def solve_exactly(self, exact: ExactSolver, start: Array | None = None) -> Solution:
         """Solve the laws of all contacts exactly, at the present loads; collective.
 
         Args:
             exact: Of this problem.
+            start: Forces to begin with, as of ``ExactSolver.solve``.
 
         Raises:
             NotConvergedError: It finds no answer.
         """
         with self.timings.phase("solve"):
-            answer = exact.solve()
+            answer = exact.solve(start)
         self.steps += answer.steps
         self.imbalances.append(answer.imbalance)
         self.limit = answer.limit

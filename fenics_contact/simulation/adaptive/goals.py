@@ -23,14 +23,12 @@ from fenics_contact.common.parallel import total
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.scene.values import AXES
+from fenics_contact.simulation.sensitivities.adjoints import AnswerAdjoint, adjoint_of
 from fenics_contact.simulation.sensitivities.derivatives import (
     QuantityGradient,
-    adjoint_of,
     require_adjoint,
 )
 from fenics_contact.simulation.sensitivities.gradients import gradient_of
-from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
-from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 
@@ -136,17 +134,14 @@ def _names_of(problem: Problem, text: str) -> list[str]:
     return [f"{text}_{axis}" for axis in AXES[: problem.spaces.components]]
 
 
-def _adjoint(load_steps: LoadSteps) -> CondensedAdjoint:
-    system, problem = load_steps.newton.system, load_steps.problem
-    if not isinstance(system, CondensedSystem):
-        raise InputError(f"the {system.name} solver has no adjoint")
-    require_adjoint(problem)
+def _adjoint(load_steps: LoadSteps) -> AnswerAdjoint:
+    require_adjoint(load_steps.problem)
     load_steps.go_back()
-    return adjoint_of(system)
+    return adjoint_of(load_steps)
 
 
 def _squared_adjoint(
-    load_steps: LoadSteps, adjoint: CondensedAdjoint, local: LocalErrors, name: str
+    load_steps: LoadSteps, adjoint: AnswerAdjoint, local: LocalErrors, name: str
 ) -> Array:
     """a_K(e*, e*) of the adjoint of a quantity, of this rank's own cells; collective.
 
@@ -157,7 +152,7 @@ def _squared_adjoint(
     assert step is not None
     state = gradient_of(problem, step.solution, name)
     multipliers = QuantityGradient(adjoint, step, state).multipliers
-    stiffness, energy = adjoint.body.stiffness, state.energy
+    stiffness, energy = adjoint.condensed.body.stiffness, state.energy
     virtual = multipliers.displacement - energy * step.solution.displacement
     forces = stiffness.forces(multipliers.unknowns) - energy * step.solution.internal_force
     forces.reshape(-1)[problem.constrained] = 0.0

@@ -18,23 +18,16 @@ from fenics_contact.body.elastic_body import ModulusSlopes
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
-from fenics_contact.contact.contact_surface import ContactSurface
-from fenics_contact.contact.point_gradients import AnswerGradient, along, vjp
+from fenics_contact.contact.point_gradients import AnswerGradient, along
 from fenics_contact.problem.problem import Problem
+from fenics_contact.simulation.sensitivities.adjoints import AnswerAdjoint, adjoint_of
 from fenics_contact.simulation.sensitivities.gradients import gradient_of
 from fenics_contact.simulation.sensitivities.quantity_gradients import StateGradient
 from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneChanges
 from fenics_contact.simulation.sensitivities.scene_values import numbers_of
-from fenics_contact.solve.condensed.adjoint import BodyGradient, CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.accepted_step import AcceptedStep, recall
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
-
-
-def adjoint_of(system: CondensedSystem) -> CondensedAdjoint:
-    """The adjoint of the true tangent of an answer, in whose state a system is; collective."""
-    system.linearise_truly()
-    return system.adjoint()
 
 
 class QuantityGradient:
@@ -45,63 +38,16 @@ class QuantityGradient:
         multipliers: Of the forces that are in balance.
 
     Args:
-        adjoint: Of the answer's tangent, in whose state the problem is.
+        adjoint: Of the answer, in whose state the problem is.
         step: The answer.
         state: Derivatives in what happens.
     """
 
-    def __init__(self, adjoint: CondensedAdjoint, step: AcceptedStep, state: StateGradient) -> None:
-        self._problem = problem = adjoint.problem
-        self._step = step
-        self._adjoint, self._energy, self._resultant = adjoint, state.energy, state.resultant
+    def __init__(self, adjoint: AnswerAdjoint, step: AcceptedStep, state: StateGradient) -> None:
+        self._problem, self._step, self._adjoint = adjoint.problem, step, adjoint.condensed
+        self._energy, self._resultant = state.energy, state.resultant
         self._springs = state.springs
-        numbered = list(enumerate(problem.contacts))
-        tractions = [self._traction(number, state) for number, _ in numbered]
-        start = adjoint.opposing(tractions)
-        known, jumps = [], []
-        for number, contact in numbered:
-            virtual = adjoint.jump(number, start) + adjoint.held_jump(number, state.body)
-            answers, traction = state.contacts[number], tractions[number]
-            if traction is not None:
-                answers = answers.with_traction(contact, -answers.traction(contact))
-                virtual += traction
-            known.append(self._with_work(contact, answers, virtual))
-            jumps.append(contact.trace.onto_nodes(vjp(contact, known[-1]).jump))
-        body = self._with_untouched(state.body, jumps)
-        self.multipliers = adjoint.solve(jumps, state.scalars, body, start)
-        self.contacts = []
-        for number, contact in numbered:
-            virtual = self.multipliers.other_jump(number)
-            self.contacts.append(vjp(contact, self._with_work(contact, known[number], virtual)))
-
-    def _traction(self, number: int, state: StateGradient) -> Array | None:
-        """The virtual jump whose work on a contact's tractions is in a quantity, at all nodes.
-
-        None where not all points are nodes, or nothing follows the jump.
-        """
-        contact = self._problem.contacts[number]
-        if not contact.trace.nodal or self._adjoint.jumps[number] is None:
-            return None
-        of_traction = state.contacts[number].traction(contact)
-        return contact.trace.onto_nodes(of_traction / contact.trace.weights[:, None])
-
-    @staticmethod
-    def _with_work(contact: ContactSurface, answers: AnswerGradient, jump: Array) -> AnswerGradient:
-        """With the work of a contact's tractions on a virtual jump at its nodes."""
-        weights = contact.trace.weights[:, None]
-        return answers.with_traction(contact, weights * contact.trace.at_points(jump))
-
-    def _with_untouched(self, body: BodyGradient | None, jumps: list[Array]) -> BodyGradient | None:
-        """With the jumps of contacts that exert no forces, which are displacements; collective."""
-        problem = self._problem
-        for number, (contact, jump) in enumerate(zip(problem.contacts, jumps, strict=True)):
-            moves = total(problem.comm, float(np.abs(jump).sum())) > 0
-            if self._adjoint.jumps[number] is not None or not moves:
-                continue
-            more = contact.kinematics.on_body(jump)
-            reactions = np.zeros_like(more) if body is None else body.reactions
-            body = BodyGradient(more if body is None else body.displacement + more, reactions)
-        return body
+        self.multipliers, self.contacts = adjoint.of(state)
 
     def along(self, change: Change) -> float:
         """Derivative of the quantity in a number of the scene; collective.
@@ -210,7 +156,7 @@ def derivatives(
     for step in reversed(that_count(problem, steps)):
         if step is not last:
             _go_back_to(load_steps, step)
-        adjoint = adjoint_of(system)
+        adjoint = adjoint_of(load_steps)
         changes = _changes(problem, step.unknowns.time, keys)
         for name, state in states.items():
             gradient = QuantityGradient(adjoint, step, state)

@@ -123,7 +123,7 @@ def solved_scene(kept: KeptBody, scene: Scene) -> Iterator[SolvedScene]:
         NotConvergedError: There is no answer.
     """
     with kept.stepping(scene, Timings()) as (load_steps, system):
-        taken = _StepsWithKinks(system.problem)
+        taken = _StepsWithKinks(load_steps)
         load_steps.solve(taken)
         yield SolvedScene(load_steps, system, taken.steps, taken.one_sided)
 
@@ -136,12 +136,15 @@ class _StepsWithKinks(StepListener):
         one_sided: Whether points just touch or just slip in one of them.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
+    def __init__(self, load_steps: LoadSteps) -> None:
+        self._problem, self._exact = load_steps.problem, load_steps.newton.exact
         self.steps: list[AcceptedStep] = []
         self.one_sided = False
 
     def accepted(self, step: AcceptedStep) -> None:
         """Keep a load step; collective."""
         self.steps.append(step)
-        self.one_sided |= has_kink(self._problem, step.solution)
+        if self._exact is not None:
+            self.one_sided |= self._exact.at_edges > 0
+        else:
+            self.one_sided |= has_kink(self._problem, step.solution)

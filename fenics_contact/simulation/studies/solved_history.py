@@ -24,9 +24,9 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.steps import StepRecord
 from fenics_contact.results.result import Check
 from fenics_contact.scene.scene import Scene
+from fenics_contact.simulation.sensitivities.adjoints import adjoint_of
 from fenics_contact.simulation.sensitivities.derivatives import (
     QuantityGradient,
-    adjoint_of,
     of_step_before,
     require_adjoint,
     that_count,
@@ -84,7 +84,7 @@ def history_slopes(
             found[step] = {name: np.zeros(len(of)) for name in changes}
             for place, name in enumerate(of):
                 going_back[step, place] = gradient_of(problem, step.solution, name)
-        adjoint = adjoint_of(system)
+        adjoint = adjoint_of(load_steps)
         for (one, place), state in going_back.items():
             gradient = QuantityGradient(adjoint, step, state)
             for name, change in changes.items():

@@ -169,10 +169,12 @@ class SolvedStep:
     Attributes:
         state: The unknowns.
         tangents: Of each contact's friction, what its tangent was at.
+        forces: At the points, where an exact solver found them; else None (force).
     """
 
     state: SolvedState
     tangents: list[tuple[Array, Array]]
+    forces: Array | None = None
 
 
 class WarmStart:
@@ -195,7 +197,8 @@ class WarmStart:
         """A step of the answer, just solved; collective."""
         every = [contact.friction_term.tangent_state for contact in newton.problem.contacts]
         tangents = [state.slip_and_direction for state in every]
-        self.steps.append(SolvedStep(SolvedState.of(newton), tangents))
+        forces = None if newton.exact is None else newton.exact.last_forces
+        self.steps.append(SolvedStep(SolvedState.of(newton), tangents, forces))
 
     def suits(self, problem: Problem) -> bool:
         """Whether the unknowns are the same, and no bolt is to be tightened from nothing."""
@@ -221,6 +224,9 @@ class WarmStart:
         if number >= len(self.steps):
             return None
         problem, step = newton.problem, self.steps[number]
+        if newton.exact is not None:
+            self._place(newton, step.state)
+            return newton.solve_exactly(newton.exact, step.forces)
         if not problem.coulomb:
             self._place(newton, step.state)
             self._take_tangents(problem, step)

@@ -123,6 +123,61 @@ class ContactPoints:
         traction[self.own] = np.einsum("pi,pij->pj", stresses[:, 1:], self.directions[:, 1:])
         return self._of_owners(pressure), self._of_owners(traction)
 
+    def rows_of(self, pressure: Array, traction: Array) -> Array:
+        """Forces of all ranks that pressures and tractions along the surface are; collective.
+
+        Args:
+            pressure: At all points of this rank, (points,) (stress).
+            traction: Likewise, (points, components) (stress).
+
+        Returns:
+            On every rank, (points × rows of a point,) (force).
+        """
+        own, areas = self.own, self.contact.trace.weights[self.own][:, None]
+        inverse = np.linalg.pinv(self.directions[:, 1:])
+        along = np.einsum("pj,pji->pi", traction[own], inverse)
+        rows = np.concatenate([pressure[own][:, None], along], axis=1) * areas
+        return gather_rows(self._comm, rows).ravel()
+
+    def gradient_of_rows(self, of_pressure: Array, of_traction: Array) -> Array:
+        """Gradient in forces of all ranks, by that in pressures and tractions; collective.
+
+        Args:
+            of_pressure: At all points of this rank, (points,).
+            of_traction: Likewise, (points, components).
+
+        Returns:
+            On every rank, (points × rows of a point,).
+        """
+        own, areas = self.own, self.contact.trace.weights[self.own][:, None]
+        along = np.einsum("pj,pij->pi", of_traction[own], self.directions[:, 1:])
+        rows = np.concatenate([of_pressure[own][:, None], along], axis=1) / areas
+        return gather_rows(self._comm, rows).ravel()
+
+    def at_points(self, values: Array) -> Array:
+        """Values at all points of this rank, 0 at those that are no rows; collective.
+
+        Args:
+            values: Of all ranks, on every rank, (points,) or (points, several).
+        """
+        found = np.zeros((len(self._every), *values.shape[1:]))
+        found[self.own] = values[self._first : self._first + len(self.own)]
+        return self._of_owners(found)
+
+    def in_space(self, rows: Array) -> tuple[Array, Array]:
+        """Gradients in openings as those across and along, at all points of this rank; collective.
+
+        Args:
+            rows: Of all ranks, on every rank, (points, rows of a point).
+
+        Returns:
+            In the gap, (points,), and in the slip since its reference, (points, components).
+        """
+        along = np.zeros(self._every.shape)
+        own = rows[self._first : self._first + len(self.own), 1:]
+        along[self.own] = np.einsum("pi,pij->pj", own, self.directions[:, 1:])
+        return self.at_points(rows[:, 0]), self._of_owners(along)
+
     def flags(self, chosen: Flags) -> Flags:
         """Flags of points of all ranks, at all points of this rank; collective.
 

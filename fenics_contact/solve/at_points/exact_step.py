@@ -15,9 +15,11 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import OPEN, STICK
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.at_points.contact_points import ContactPoints
+from fenics_contact.solve.at_points.point_adjoint import PointAdjoint
 from fenics_contact.solve.at_points.point_laws import laws_of
 from fenics_contact.solve.at_points.point_operator import PointOperator
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.exact.derivatives import points_at_edges
 from fenics_contact.solve.exact.local_problem import LocalProblem, PointLaws
 from fenics_contact.solve.exact.solver import solve
 
@@ -36,6 +38,7 @@ class ExactForces:
         converged: Whether it satisfies the laws at the points.
         residual: What is left of the laws, over the forces.
         way: How it was found, in words.
+        at_edges: Number of points just between two statuses.
         imbalance: Of the forces on the body, with it (force).
         limit: Up to which that counts as none (force).
     """
@@ -47,6 +50,7 @@ class ExactForces:
     converged: bool
     residual: float
     way: str
+    at_edges: int = 0
     imbalance: float = np.inf
     limit: float = 0.0
 
@@ -59,6 +63,9 @@ class ExactForces:
 class ExactSolver:
     """Solves the laws of all contacts of a condensed problem at their points.
 
+    Attributes:
+        at_edges: Number of points just between two statuses in the last answer.
+
     Args:
         problem: Whose laws are covered (``point_laws.why_not``).
         system: The problem, condensed.
@@ -70,27 +77,57 @@ class ExactSolver:
         self._operator: PointOperator | None = None
         self._local: LocalProblem | None = None
         self._last: Array | None = None
+        self.at_edges = 0
 
     @property
     def rows(self) -> int:
         """Number of rows of all points; collective."""
         return self._present().rows
 
-    def solve(self) -> ExactForces:
+    @property
+    def last_forces(self) -> Array | None:
+        """Forces of the last answer, with feet, (rows + feet,); None before there is one."""
+        return self._last
+
+    def solve(self, start: Array | None = None) -> ExactForces:
         """Take the system and its contacts to the exact answer at the present loads; collective.
 
         It begins from the last answer, if there is one, else from points that stick wherever the
         surfaces overlap. Where round-off of soft bodies leaves forces out of balance, what is left
         is solved for once more.
+
+        Args:
+            start: Forces of another answer to begin with, as of ``last_forces``; of other points
+                they are left out.
         """
         operator = self._present()
+        size = from_root(self._system.comm, operator.size)
+        if start is not None and len(start) == size:
+            self._last = start
         for one in operator.points:
             one.contact.find_forces(*self._parameters(one.contact))
         found = self._solve(operator, None)
         if found.converged and not found.is_found:
             again = self._solve(operator, found.rows)
             found = replace(again, steps=found.steps + again.steps)
+        self.at_edges = found.at_edges
         return found
+
+    def adjoint(self) -> PointAdjoint:
+        """The laws linearised at the forces that act, which are an answer; collective.
+
+        Raises:
+            NotConvergedError: The answer ends there.
+        """
+        operator = self._present()
+        openings, laws = operator.openings(), laws_of(operator.points)
+        acting = [_acting(one) for one in operator.points]
+        forces, answer = np.concatenate(acting), None
+        if operator.compliance is not None:
+            base = np.append(forces, np.zeros(len(openings) - operator.rows))
+            free = openings - operator.compliance @ base
+            answer = solve(self._local_problem(operator, free, laws), base)
+        return PointAdjoint(operator, answer, forces, self._system.comm)
 
     def _solve(self, operator: PointOperator, acting: Array | None) -> ExactForces:
         """One solve; collective.
@@ -179,6 +216,13 @@ class ExactSolver:
             first = last
 
 
+def _acting(points: ContactPoints) -> Array:
+    """Forces that act at the points of a contact, (rows,) (force); collective."""
+    found = points.contact.found
+    assert found is not None
+    return points.rows_of(found.pressure, found.traction)
+
+
 def _none(problem: LocalProblem) -> ExactForces:
     """No answer, and no state that is worth to be kept."""
     nowhere = np.zeros(problem.points, dtype=bool)
@@ -201,4 +245,5 @@ def _solved(problem: LocalProblem, start: Array | None) -> ExactForces:
         converged=answer.converged,
         residual=answer.residual,
         way=answer.way,
+        at_edges=int(np.count_nonzero(points_at_edges(answer))),
     )

@@ -39,7 +39,7 @@ class PointOperator:
         tangent = system.dense_tangent
         if tangent is None:
             return
-        inner = tangent.inner
+        inner, self._border = tangent.inner, tangent.border
         self._inverse = SprungInverse(inner.compliance, tangent.border, inner.size)
         jumps = [system.jump_of(one.contact) for one in points]
         self._moves = self._stacked(rows, [jump.motions for jump in jumps])
@@ -52,6 +52,11 @@ class PointOperator:
         self.compliance = self._at_rows(moved)
         diagonal = np.arange(self.rows, len(self.compliance))
         self.compliance[diagonal, diagonal] -= 1.0
+
+    @property
+    def size(self) -> int:
+        """Number of rows with those of feet, on rank 0; 0 on others."""
+        return 0 if self.compliance is None else len(self.compliance)
 
     def _stacked(self, rows: Sequence[csr_matrix], jumps: Sequence[csr_matrix]) -> csr_matrix:
         """Rows of all points over all that the inverse is of.
@@ -103,6 +108,35 @@ class PointOperator:
             with system.state as array:
                 array[:] += self._gathered(change)
         system.take(system.state)
+
+    def of_forces(self, of_unknowns: Array) -> Array:
+        """Gradient of a quantity in forces at the points, by that in the system's unknowns.
+
+        Args:
+            of_unknowns: On rank 0, with the body's scalars, (unknowns,).
+
+        Returns:
+            With the feet, (rows + feet,).
+        """
+        return np.asarray(self._spread(of_unknowns) @ self._moved)
+
+    def multipliers(self, of_unknowns: Array, of_openings: Array) -> Array:
+        """Λ: gradient of a quantity in forces on the system's unknowns; on rank 0.
+
+        Of scalars that are held, over the entries of their rows.
+
+        Args:
+            of_unknowns: Its gradient in the unknowns while forces at points stay, (unknowns,).
+            of_openings: In q, with the feet, (rows + feet,).
+        """
+        inverse, size = self._inverse, self._system.width
+        right = self._spread(of_unknowns) + of_openings[: self.rows] @ self._moves
+        right[inverse.feet] += of_openings[self.rows :]
+        found = self._gathered(right @ inverse.matrix)
+        found[size:][self._border.held] = self._border.multipliers_of_held(
+            of_unknowns[size:], found
+        )
+        return found
 
     def _spread(self, values: Array) -> Array:
         """Forces on the system's unknowns, over all that the inverse is of."""

@@ -98,6 +98,23 @@ class CondensedAdjoint:
             body: In the body, beside the contacts; None where there are none.
             start: Part of Λ that is known.
         """
+        right = self.gradient(jumps, scalars, body)
+        found = None
+        if self._dense is not None:
+            known = self._dense.times_transposed(start)
+            found = self._dense.solve_transposed(right.of_unknowns - known)
+        return self.multipliers(start, found, right)
+
+    def gradient(
+        self, jumps: Sequence[Array], scalars: Array, body: BodyGradient | None
+    ) -> UnknownsGradient:
+        """Gradient of a quantity in the unknowns, by that in what follows from them; collective.
+
+        Args:
+            jumps: As of ``solve``.
+            scalars: Likewise.
+            body: Likewise.
+        """
         free = None if body is None else self._without_contacts(body)
         load = self._of_contact_dofs(free)
         right = self._of_unknowns(free, load)
@@ -109,15 +126,27 @@ class CondensedAdjoint:
             if self._dense is not None:
                 onto = self._dense.inner.onto_unknowns(jump.slopes(rows))
                 right[: len(onto)] += onto
-        found = None
-        if self._dense is not None:
-            found = self._dense.solve_transposed(right - self._dense.times_transposed(start))
+        return UnknownsGradient(right, body, free, load.carried)
+
+    def multipliers(
+        self, start: Array, found: Array | None, right: UnknownsGradient
+    ) -> Multipliers:
+        """Λ of a quantity from its values at the unknowns; collective.
+
+        Args:
+            start: Part of them that is known.
+            found: The other part, on rank 0; None on others.
+            right: The quantity.
+
+        Raises:
+            NotConvergedError: They are no numbers.
+        """
         rest = np.asarray(from_root(self.problem.comm, found))
         if not np.isfinite(rest).all():
             raise NotConvergedError(
                 "derivatives: the answer is at a limit, where it does not follow what is given"
             )
-        return Multipliers(self, start, rest, body, free, load.carried)
+        return Multipliers(self, start, rest, right)
 
     def jump(self, number: int, values: Array) -> Array:
         """Virtual jump of a contact at all nodes of its surface of this rank."""
@@ -197,6 +226,23 @@ class _FreeBody:
     on_scalars: Array
 
 
+@dataclass(frozen=True, eq=False)
+class UnknownsGradient:
+    """Gradient of a quantity in the unknowns.
+
+    Attributes:
+        of_unknowns: In each, (unknowns,); with contacts' part on rank 0.
+        body: In the body, beside the contacts.
+        free: ψ of that without contacts.
+        carried: Of its gradient in the contact dofs, as of ``KeptLoad``.
+    """
+
+    of_unknowns: Array
+    body: BodyGradient | None
+    free: _FreeBody | None
+    carried: Array
+
+
 class Multipliers:
     """Λ: a virtual displacement ψ of the body, and a number for each scalar unknown.
 
@@ -207,9 +253,7 @@ class Multipliers:
         adjoint: That found it.
         start: Part of it that was known.
         rest: The other part.
-        body: Of the quantity.
-        free: The same without contacts.
-        carried: Of its gradient in the contact dofs, as of ``KeptLoad``.
+        right: The quantity.
     """
 
     def __init__(
@@ -217,12 +261,10 @@ class Multipliers:
         adjoint: CondensedAdjoint,
         start: Array,
         rest: Array,
-        body: BodyGradient | None,
-        free: _FreeBody | None,
-        carried: Array,
+        right: UnknownsGradient,
     ) -> None:
         self._adjoint, self._rest, self._values = adjoint, rest, start + rest
-        self._body, self._free, self._carried = body, free, carried
+        self._body, self._free, self._carried = right.body, right.free, right.carried
         self._problem = adjoint.problem
 
     @property

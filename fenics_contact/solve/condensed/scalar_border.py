@@ -187,6 +187,17 @@ class ScalarBorder:
         solved = np.column_stack([solve_inner(row) for row in rows])
         return _eliminated(right, solve_inner, solved, self.columns.T, corner.T)
 
+    def multipliers_of_held(self, right: Array, values: Array) -> Array:
+        """Values of the scalars that are held in a transposed solve; (held,).
+
+        Args:
+            right: Its right-hand side for the scalars, (scalars,).
+            values: What is found for all that is not held, M's unknowns first; 0 for the held.
+        """
+        inner, own = np.split(values, [len(self.columns)])
+        pulled = self.columns.T @ inner + self.corner.T @ own
+        return np.asarray(((right - pulled) / self._units)[self.held])
+
     @property
     def _own_rows(self) -> tuple[Array, Array]:
         """Cᵀ and D with unit rows for scalars that are held."""

@@ -117,6 +117,7 @@ class Linearisation:
         )
         in_bound[numbers] = pulled / over
         in_elastic[numbers] = np.where(slips, 0.0, -state.bound[numbers] * pulled / limit**2)
+        in_elastic += self._of_first_elastic_slip(of_free)
         size = scaling.of_points
         across = equations.compliance[:, : equations.count : equations.dimension]
         given = across.T @ of_free + of_scaled[: equations.count : equations.dimension]
@@ -127,6 +128,15 @@ class Linearisation:
             given_force=given,
             elastic_slip=in_elastic * size,
         )
+
+    def _of_first_elastic_slip(self, of_free: Array) -> Array:
+        """Gradient in ε of points that stick at ε = 0, where v_t = −ε r_t/g; scaled, (points,)."""
+        equations, state = self._equations, self._state
+        acts = state.closed & state.sticks & (equations.elastic == 0) & (state.bound > 0)
+        shape = equations.points, equations.dimension
+        of_slip = of_free[: equations.count].reshape(shape)[:, 1:]
+        work = np.einsum("ij,ij->i", of_slip, state.along)
+        return np.where(acts, work / np.where(acts, state.bound, 1.0), 0.0)
 
     def _take(self, state: PointState) -> None:
         """Linearise at statuses."""

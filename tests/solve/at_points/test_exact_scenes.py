@@ -9,10 +9,10 @@ from dolfinx.mesh import CellType
 from fenics_contact import (
     Contact,
     Coupling,
-    DerivativeRequest,
     Discretisation,
     Load,
     Material,
+    Modes,
     Obstacle,
     Path,
     Scene,
@@ -167,8 +167,8 @@ def test_what_does_not_go_together_is_refused() -> None:
         errors_off(bar(penalty_parameter=1e-6), strategy="exact")
     with refused("no_penalty_beside_another_strategy", ValueError):
         errors_off(bar(), strategy="campos")
-    with refused("derivatives_of_exact_contact", ValueError):
-        dataclasses.replace(bar(), derivatives=DerivativeRequest(of=("normal_force",)))
+    with refused("modes_of_exact_contact", ValueError):
+        dataclasses.replace(bar(), modes=Modes(number=2))
 
 
 def test_laws_that_it_does_not_cover_are_refused() -> None:

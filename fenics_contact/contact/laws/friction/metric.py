@@ -15,7 +15,7 @@ import ufl
 from ufl.core.expr import Expr
 
 from fenics_contact.common.arrays import Array
-from fenics_contact.contact.laws.point_values import point_density
+from fenics_contact.contact.laws.point_values import PointDensity, point_density
 from fenics_contact.contact.surface.trace import Trace
 
 # Of the bound: a traction that has no direction but that of round-off.
@@ -49,6 +49,10 @@ class SlipMetric:
         """M times several vectors at each point, (points, components, vectors)."""
         return vectors
 
+    def undone(self, vectors: Array) -> Array:
+        """M⁻¹ times vectors along the surface at the points, (points, components)."""
+        return vectors
+
     def carried(self, tractions: Array) -> Array:
         """The bound that it takes to carry tractions along the surface, (points,) (stress).
 
@@ -77,6 +81,15 @@ class SlipMetric:
     def squared(self) -> Array | None:
         """M² at the points, (points, components, components); None where it is 1."""
         return None
+
+    def gradients(self, tests: Array, vectors: Array) -> Mapping[str, Array]:
+        """Derivatives of test · M vector in the parameters of ``fields``, by name.
+
+        Args:
+            tests: Along the surface at the points, (points, components).
+            vectors: Likewise.
+        """
+        return {}
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -113,8 +126,11 @@ class OwnMetric(SlipMetric):
 
     def carried(self, tractions: Array) -> Array:
         """Length |M⁻¹ t|."""
-        found = np.linalg.solve(self.matrices, tractions[..., None])[..., 0]
-        return np.asarray(np.linalg.norm(found, axis=1))
+        return np.asarray(np.linalg.norm(self.undone(tractions), axis=1))
+
+    def undone(self, vectors: Array) -> Array:
+        """M⁻¹ times vectors along the surface at the points, (points, components)."""
+        return np.asarray(np.linalg.solve(self.matrices, vectors[..., None])[..., 0])
 
     def bound_along(self, bound: Array, tractions: Array) -> Array:
         """G |t|/|M⁻¹ t|; in all directions the least of M where there is no traction."""
@@ -127,9 +143,18 @@ class OwnMetric(SlipMetric):
     def matrices(self) -> Array:
         """M, also across the surface, (points, components, components)."""
         vectors = dict.fromkeys(("test", "vector"), np.zeros_like(self._like))
-        sizes = dict.fromkeys(vectors, vectors["test"].shape[1]) | self.sizes
-        points = point_density(_pairing(self.scaled), **sizes)
-        return points.curvatures("test", "vector", **vectors, **self.fields)
+        return self._pairings.curvatures("test", "vector", **vectors, **self.fields)
+
+    def gradients(self, tests: Array, vectors: Array) -> Mapping[str, Array]:
+        """Derivatives of test · M vector in the parameters of ``fields``, by name."""
+        values = {"test": tests, "vector": vectors, **self.fields}
+        return {name: self._pairings.slope(name, **values) for name in self.fields}
+
+    @property
+    def _pairings(self) -> PointDensity:
+        """Test · M vector at the points."""
+        sizes = dict.fromkeys(("test", "vector"), self._like.shape[1]) | self.sizes
+        return point_density(_pairing(self.scaled), **sizes)
 
     @property
     def squared(self) -> Array:
