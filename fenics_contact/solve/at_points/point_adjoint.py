@@ -51,13 +51,15 @@ class PointAdjoint:
     ) -> None:
         self._operator, self._comm, self.forces = operator, comm, forces
         self._linear: Linearisation | None = None
-        words = ""
+        ends = False
         try:
             self._linear = None if answer is None else Linearisation(answer)
-        except ValueError as error:
-            words = str(error)
-        if words := from_root(comm, words):
-            raise NotConvergedError(f"derivatives: {words}")
+        except ValueError:
+            ends = True
+        if from_root(comm, ends):
+            raise NotConvergedError(
+                "derivatives: the answer is at a limit, where it does not follow what is given"
+            )
 
     @property
     def points(self) -> list[ContactPoints]:
