@@ -22,6 +22,8 @@ from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.scene.scene import MeshSource
 
 _BOUNDARY_PARTS = {2: "curve", 3: "surface"}
+# What follows a name of points, or of edges in space, that something else has, too.
+_SLENDER = (".points", ".edges")
 _BODY = "body"  # the whole body's group, where the file names none
 
 
@@ -61,6 +63,14 @@ class PartTags:
         if dimension < self.dimension:
             lost = sum(self.outside.get(part, 0) for part in parts)
         return Group(dimension, tuple(sorted(tags)), lost, tuple(centre))
+
+    def numbered_places(self) -> dict[str, Group]:
+        """Points, and edges in space, by what they are and their number, such as ``point 3``."""
+        kinds = ("point", "edge")
+        return {
+            f"{kinds[dimension]} {part}": self.of_places(dimension, [part])
+            for dimension, part in self.places
+        }
 
     def of_places(self, dimension: int, parts: Iterable[int]) -> Group:
         """The group of some points, or of some edges in space.
@@ -106,7 +116,10 @@ def named_groups(
         groups.setdefault(_BODY, tags.group(tags.dimension, tags.body))
     for found in description["groups"]:
         if found["name"] and found["dimension"] < tags.dimension - 1:
-            groups.setdefault(found["name"], tags.of_places(found["dimension"], found["parts"]))
+            name = found["name"]
+            while name in groups:
+                name += _SLENDER[found["dimension"]]
+            groups[name] = tags.of_places(found["dimension"], found["parts"])
     sides = {
         str(part["tag"]): tags.group(tags.dimension - 1, [part["tag"]], part["centre"])
         for part in description["parts"]
@@ -123,7 +136,10 @@ def named_groups(
                     f"it has: {', '.join(sides) or 'none'}"
                 )
         groups[name] = tags.group(tags.dimension - 1, parts)
-    return groups, numbers if has_boundaries else sides, sides
+    by_number = numbers if has_boundaries else sides
+    if not description.get("lists_once"):
+        by_number = by_number | tags.numbered_places()
+    return groups, by_number, sides
 
 
 def _joined(where: str, name: str, first: Group | None, second: Group) -> Group:

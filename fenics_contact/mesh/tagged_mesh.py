@@ -174,7 +174,8 @@ class Body:
         if group is None:
             raise InputError(
                 f"{key} = '{name}': there is no such physical group in {self.source}"
-                f"{question(name, map(one_line, self.groups))}; there are: {self.known_groups()}"
+                f"{question(name, map(one_line, self.groups))}; there are: "
+                f"{self.known_groups(name)}"
             )
         kind = {0: "cells", 1: "facets"}.get(self.dimension - group.dimension, "nodes")
         if group.outside:
@@ -313,22 +314,49 @@ class Body:
             entities[entities < self.mesh.topology.index_map(group.dimension).size_local]
         )
 
-    def known_groups(self) -> str:
-        """Names of the groups, and numbers of the geometric parts with their places."""
+    def known_groups(self, name: str = "") -> str:
+        """Names of the groups, and numbers of the geometric parts with their places.
+
+        Args:
+            name: That is not there: points and edges are listed for one that is theirs alone.
+        """
         names = sorted(one_line(name) + _place(group) for name, group in self.groups.items())
         placed = [group for group in self.groups.values() if group.centre]
-        for number, group in sorted(self.numbers.items(), key=lambda item: _in_order(item[0])):
+        numbers = sorted(self.numbers.items(), key=lambda item: _in_order(item[0]))
+        slender = [(number, group) for number, group in numbers if group.places]
+        if slender and _is_slender(name):
+            alike = [pair for pair in slender if pair[0].split(" ")[0] == name.split(" ")[0]]
+            names = [number + _place(group) for number, group in (alike or slender)[:_MOST_LISTED]]
+            more = len(alike or slender) - len(names)
+            return ", ".join(names) + (f" and {more} more" if more else "")
+        for number, group in numbers:
             if group.centre and number not in self.groups and group not in placed:
                 names.append(number + _place(group))
+        if slender:
+            names.append(f"{len(slender)} points and edges, such as '{slender[0][0]}'")
         return ", ".join(names) or "none"
+
+
+# Points and edges that a message has.
+_MOST_LISTED = 40
+
+
+def _is_slender(name: str) -> bool:
+    """Whether a name is that of a numbered point, or edge, such as ``point 3``."""
+    return name.rpartition(".")[2].startswith(("point ", "edge "))
 
 
 def _place(group: Group) -> str:
     """Where a group is, for messages, if that is known."""
-    return f" at ({', '.join(f'{value:.4g}' for value in group.centre)})" if group.centre else ""
+    centre = group.centre
+    if group.places:
+        ends = np.array(group.places).reshape(-1, len(group.places[0][0]))
+        centre = tuple((ends.min(axis=0) + ends.max(axis=0)) / 2)
+    return f" at ({', '.join(f'{value + 0.0:.4g}' for value in centre)})" if centre else ""
 
 
 def _in_order(number: str) -> tuple[str, int]:
     """Where a number of a group stands, such as ``3``, or ``upper.3`` of one of several meshes."""
     mesh, _, digits = number.rpartition(".")
-    return mesh, int(digits)
+    kind, _, digits = digits.rpartition(" ")
+    return f"{kind} {mesh}", int(digits)

@@ -20,6 +20,8 @@ from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.mesh.loading import load_body
 from fenics_contact.mesh.refinement import halved
+from tests.cad import write_shapes
+from tests.mesh.readers.test_formats import need_med
 from tests.mesh.test_loading import with_gmsh, write
 from tests.messages import refused
 
@@ -161,3 +163,140 @@ def test_finer_meshes_have_them_too(block):
 def test_what_needs_an_area_is_refused(block, change, name):
     with refused(name):
         run(replace(scene(block), **change))
+
+
+def test_points_and_edges_of_geometries_have_numbers(block):
+    """Those that Gmsh shows; the same as by name."""
+    body = load_body((block,), 3, COMM)
+    for name, number in (("origin", "point 1"), ("along_x", "point 5"), ("upright", "edge 1")):
+        assert set(body.group(number, "on").places) == set(body.group(name, "on").places)
+    held = (
+        Support("point 1", {"x": 0, "y": 0, "z": 0}),
+        Support("point 5", {"y": 0, "z": 0}),
+        Support("point 3", {"z": 0}),
+    )
+    found = run(scene(block, held))
+    assert found.passed, found.verdict
+    with refused("no_such_point"):
+        body.group("point 9", "support[0].on")
+    with refused("no_such_edge_or_group"):
+        body.group("nothing", "support[0].on")
+
+
+def test_a_name_of_points_and_of_a_face(folder):
+    source = write(folder, BLOCK.replace('"origin"', '"left"'))
+    body = load_body((source,), 3, COMM)
+    assert body.group("left", "on").dimension == 2
+    assert body.group("left.points", "on").places == (((0, 0, 1), (0, 0, 1)),)
+
+
+NODES = """*NODE
+1, 0, 0, 0
+2, 2, 0, 0
+3, 2, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 2, 0, 1
+7, 2, 1, 1
+8, 0, 1, 1
+*ELEMENT, TYPE=C3D8, ELSET=block
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*ELEMENT, TYPE=T3D2, ELSET=wire
+7, 4, 8
+*SURFACE, NAME=left
+1, S6
+*SURFACE, NAME=right
+1, S4
+*NSET, NSET=origin
+1
+*NSET, NSET=along_x
+2
+*NSET, NSET=along_y
+4
+*NSET, NSET=upright
+1, 5
+*NSET, NSET=left
+1
+*NSET, NSET=apart
+2, 4
+"""
+
+
+@pytest.fixture
+def deck(folder):
+    if COMM.rank == 0:
+        (folder / "block.inp").write_text(NODES)
+    COMM.barrier()
+    return MeshSource(str(folder / "block.inp"))
+
+
+def places(body, name):
+    return {place for piece in body.group(name, "on").places for place in piece}
+
+
+def test_sets_of_few_nodes_are_points_or_edges(deck):
+    """On several ranks most have none of the only cell."""
+    found = run(scene(deck))
+    assert found.passed, found.verdict
+    assert found.quantities["strain_energy"] == pytest.approx(10**2 * 2 / 2000, rel=1e-9)
+    body = load_body((deck,), 3, COMM)
+    assert places(body, "upright") == {(0, 0, 0), (0, 0, 1)}
+    assert places(body, "apart") == {(2, 0, 0), (0, 1, 0)}
+    assert places(body, "wire") == {(0, 1, 0), (0, 1, 1)}
+    dimensions = {"origin": 0, "apart": 0, "upright": 1, "wire": 1, "left": 2, "left.nodes": 0}
+    for name, dimension in dimensions.items():
+        assert body.group(name, "on").dimension == dimension, name
+    space = Spaces(BodyDescription.of(scene(deck)), body)
+    owned = COMM.allreduce(
+        int((space.nodes(body.group("upright", "on")) < space.owned_nodes).sum())
+    )
+    assert owned == 3  # of degree 2: the middle of the edge, too
+    with refused("no_set_of_that_name"):
+        body.group("uprights", "support[0].on")
+
+
+def test_points_and_edges_of_med(block, folder):
+    need_med("block.med")
+
+    def save(gmsh):
+        gmsh.open(block.file)
+        gmsh.model.mesh.generate(3)
+        gmsh.write(str(folder / "block.med"))
+
+    with_gmsh(save)
+    source = MeshSource(str(folder / "block.med"))
+    found = run(scene(source))
+    assert found.passed, found.verdict
+    body, drawn = (load_body((one,), 3, COMM) for one in (source, block))
+    assert body.group("upright", "on").dimension == 1
+    for name in ("origin", "along_x", "along_y", "upright"):
+        ours, theirs = (np.array(sorted(places(one, name))) for one in (body, drawn))
+        assert ours == pytest.approx(theirs, abs=1e-9), name
+
+
+def test_points_and_edges_of_step_have_numbers(folder):
+    """Three corners hold the part, one of which is on an edge that turns about itself."""
+
+    source = MeshSource(
+        write_shapes(folder / "block.step", lambda occ: occ.addBox(0, 0, 0, 2, 1, 1)), size=0.7
+    )
+    body = load_body((source,), 3, COMM)
+    corners = {number: group for number, group in body.numbers.items() if "point" in number}
+    assert len(corners) == 8
+    at = {tuple(np.round(group.places[0][0], 9)): number for number, group in corners.items()}
+    held = (
+        Support(at[0, 0, 0], {"x": 0, "y": 0, "z": 0}),
+        Support(at[2, 0, 0], {"y": 0, "z": 0}),
+        Support(at[0, 1, 0], {"z": 0}),
+    )
+    sides = {
+        tuple(np.round(group.centre, 6)): number
+        for number, group in body.numbers.items()
+        if number.isdigit()
+    }
+    pull = tuple(Load(sides[x, 0.5, 0.5], pressure=-10.0) for x in (0, 2))
+    found = run(scene(source, held, pull))
+    assert found.passed, found.verdict
+    assert found.quantities["strain_energy"] == pytest.approx(0.1, rel=1e-9)
+    edges = [group for number, group in body.numbers.items() if "edge" in number]
+    assert len(edges) == 12

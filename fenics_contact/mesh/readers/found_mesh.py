@@ -16,6 +16,7 @@ from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.mesh.geometry.process_room import RefusedError
 from fenics_contact.mesh.readers.element_kinds import (
     CORNERS,
+    EDGES,
     NAMES,
     NOT_GIVEN,
     SIDES,
@@ -24,6 +25,8 @@ from fenics_contact.mesh.readers.element_kinds import (
     shape_of,
 )
 
+# Gmsh's types of points and of straight edges.
+_POINT, _LINE = 15, 1
 _MOST = 1000  # files, each time that one is included
 
 
@@ -128,7 +131,7 @@ class FoundMesh:
         sets: Sets of elements: name → Gmsh's type → rows of ``elements``.
         surfaces: Sets of sides of cells: name → Gmsh's type → their nodes.
         node_sets: Sets of nodes by their numbers. They name the facets of the boundary all of whose
-            nodes they hold.
+            nodes they hold; where these are none, the nodes, and in space the edges between them.
         kinematics: What plane elements are made for, if the file says it, such as ``axisymmetric``,
             and a type that says so, such as ``CAX4``.
     """
@@ -160,7 +163,8 @@ class FoundMesh:
         groups: dict[str, tuple[int, list[int]]] = {}
         for name, rows in self.sets.items():
             if self._has(rows, self.dimension) or not self._has(rows, self.dimension - 1):
-                groups[name] = (self.dimension, parts.of(rows, self.dimension))
+                dimension = self._largest(rows)
+                groups[name] = (dimension, parts.of(rows, dimension))
         for name, facets in self.surfaces.items():
             _add(groups, name, "surface", (self.dimension - 1, parts.added(facets)))
         for name, rows in self.sets.items():
@@ -170,6 +174,10 @@ class FoundMesh:
         of_nodes: set[int] = set()
         for name, tags in self.node_sets.items():
             facets = self._facets_between(tags)
+            if not facets and (places := self._places_of(tags)):
+                dimension = max(map(dimension_of, places))
+                _add(groups, name, "nodes", (dimension, parts.added(places)))
+                continue
             added = parts.added(facets)
             of_nodes |= set(added)
             _add(groups, name, "nodes", (self.dimension - 1, added))
@@ -208,6 +216,40 @@ class FoundMesh:
         return any(
             len(found) > 0 and dimension_of(kind) == dimension for kind, found in rows.items()
         )
+
+    def _largest(self, rows: Mapping[int, Integers]) -> int:
+        """The dimension of the largest elements of a set, that of the cells where it has none."""
+        found = [dimension_of(kind) for kind, of_kind in rows.items() if len(of_kind)]
+        return max(found, default=self.dimension)
+
+    def _places_of(self, tags: Integers) -> dict[int, Integers]:
+        """Nodes of cells of some numbers, and in space edges of straight cells between, by type.
+
+        Where there are edges each node is one of no length, so that all are of one dimension.
+        """
+        nodes = np.intersect1d(tags, self._nodes_of_cells)
+        if len(nodes) == 0:
+            return {}
+        between = self._edges[np.isin(self._edges, nodes).all(axis=1)]
+        if self.dimension < 3 or len(between) == 0:
+            return {_POINT: nodes[:, None]}
+        return {_LINE: np.concatenate([np.stack([nodes, nodes], axis=1), between])}
+
+    @cached_property
+    def _nodes_of_cells(self) -> Integers:
+        """Numbers of all nodes that cells have, sorted."""
+        cells = [n for kind, n in self.elements.items() if dimension_of(kind) == self.dimension]
+        return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *map(np.ravel, cells)]))
+
+    @cached_property
+    def _edges(self) -> Integers:
+        """Nodes at both ends of the edges of cells without nodes between, (edges, 2)."""
+        found = [np.zeros((0, 2), dtype=np.int64)]
+        for kind, nodes in self.elements.items():
+            shape = shape_of(kind)
+            if dimension_of(kind) == self.dimension and nodes.shape[1] == CORNERS[shape]:
+                found.append(nodes[:, np.array(EDGES[shape])].reshape(-1, 2))
+        return np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
 
     def _facets_between(self, tags: Integers) -> dict[int, Integers]:
         """The facets of the boundary all of whose nodes have one of some numbers, by type."""
