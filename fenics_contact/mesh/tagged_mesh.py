@@ -332,8 +332,6 @@ class Body:
         for number, group in numbers:
             if group.centre and number not in self.groups and group not in placed:
                 names.append(number + _place(group))
-        if slender:
-            names.append(f"{len(slender)} points and edges, such as '{slender[0][0]}'")
         return ", ".join(names) or "none"
 
 

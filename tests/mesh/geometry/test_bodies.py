@@ -88,7 +88,8 @@ def test_overlap_is_said_with_its_volume(folder, caplog):
         body = load_body(MeshSource(file, size=5), 3, COMM)
     found = {r.bodies: r for r in body.relations if r.kind == "overlapping"}
     assert list(found) == [("lower_plate", "Bolt"), ("upper_plate", "Bolt")]
-    assert list(body.numbers) == [str(number) for number in range(1, 22)]  # nothing is left over
+    sides = [number for number in body.numbers if number.isdigit()]
+    assert sides == [str(number) for number in range(1, 22)]  # nothing is left over
     for relation in found.values():
         exact = math.pi / 4 * (5.2**2 - 5**2) * cad.THICK
         assert relation.overlap == pytest.approx(exact, rel=1e-9)
