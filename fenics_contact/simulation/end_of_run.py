@@ -61,6 +61,7 @@ class EndOfRun:
         budget: Estimated errors of its quantities.
         checks: Of the physics.
         slip: By how much varying loads can grow until a part slips as a whole.
+        slip_near: Factor of the loads that is tried first for it; None where none is known.
         bias: What penalty and smoothing of friction change, measured.
         slip_errors: Estimated errors of that by source; empty where they are not.
         notes: Sentences on what could not be found beside the answer.
@@ -72,6 +73,7 @@ class EndOfRun:
     budget: ErrorBudget = field(default_factory=ErrorBudget)
     checks: dict[str, Check] = field(default_factory=dict)
     slip: SlipFactor = field(default_factory=SlipFactor)
+    slip_near: float | None = None
     bias: Bias = field(default_factory=Bias)
     slip_errors: dict[str, float | None] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
@@ -149,7 +151,7 @@ class EndOfRun:
             return
         doing(LOOKING_AHEAD)
         missing = "By how much loads can grow until a part slips was not found"
-        find = partial(slip_factor, load_steps, by_steps)
+        find = partial(slip_factor, load_steps, by_steps, self.slip_near)
         failed: list[str] = []
         with timings.phase("output"):
             self.slip = attempt(load_steps.problem.comm, missing, find, SlipFactor(), failed)

@@ -154,11 +154,14 @@ class Run:
         # Anew in any case: what faces what is that of the last problem on the body.
         self._pose(Problem(self._modes.scene, kept.discrete, self.timings, by_points=True))
 
-    def _again(self, scene: Scene, body: Body | None = None) -> Result:
+    def _again(
+        self, scene: Scene, body: Body | None = None, slip_near: float | None = None
+    ) -> Result:
         """Return the result of a scene like this one, on this body or another; collective."""
         kept = self._kept if body is None else None
         modes = ChosenModes(scene)  # how good they are is not asked again
         run = Run(scene, self.problem.comm, body, kept, modes)
+        run.end.slip_near = slip_near
         return run.solve(announce=lambda number, step: None)
 
     def listen_at_end(self, at_end: AtEnd) -> None:
@@ -271,7 +274,7 @@ class Run:
         history.begin([] if saved is None else saved.steps)
         with self.timings.phase("output"):
             self._tasks.begin(self.problem)
-        self.end = EndOfRun()
+        self.end = EndOfRun(slip_near=self.end.slip_near)
         try:
             condense = None if self._kept is None else self._kept.condense
             taken.take(self.problem, self.choice, condense, self.end)

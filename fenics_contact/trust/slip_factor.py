@@ -48,12 +48,14 @@ class SlipFactor:
         motion: Of an upper bound, that which runs there, in words.
         bracket: How far parts may slip before or after it, as loads were not taken there; None if
             that cannot be told.
+        loaded: Factor of the loads at which load steps ended.
     """
 
     factor: float | None = None
     kind: str = ""
     motion: str = ""
     bracket: float | None = 0.0
+    loaded: float | None = None
 
     @property
     def is_bound(self) -> bool:
@@ -100,12 +102,13 @@ class _Growth:
         problem.set_time(time)
 
 
-def slip_factor(load_steps: LoadSteps, by_steps: bool) -> SlipFactor:
+def slip_factor(load_steps: LoadSteps, by_steps: bool, near: float | None = None) -> SlipFactor:
     """Find the factor by which the varying loads of an answer can grow; collective.
 
     Args:
         load_steps: At their end; all is as it was afterwards.
         by_steps: Whether the loads are to grow step by step, where the pressures follow them.
+        near: A factor of the loads that is to be tried before all others; None for none.
     """
     last, problem = load_steps.last, load_steps.problem
     if last is None or problem.inertia.moves or not problem.frictional:
@@ -123,7 +126,7 @@ def slip_factor(load_steps: LoadSteps, by_steps: bool) -> SlipFactor:
     moves = _moves(growth, first) if is_reached else None
     if moves is not None and moves <= _SAME * first:
         return SlipFactor(first, HELD, bracket=moves)
-    found = _by_steps(growth, first, bound) if by_steps else SlipFactor()
+    found = _by_steps(growth, first, bound, near) if by_steps else SlipFactor()
     if found.factor is not None or bound is None:
         return found
     return SlipFactor(bound.factor, BOUND, bound.motion)
@@ -149,24 +152,30 @@ def _moves(growth: _Growth, first: float) -> float | None:
     return None if more is None else abs(more - first) * (first - 1) / grown
 
 
-def _by_steps(growth: _Growth, first: float, bound: GrowthLimit | None) -> SlipFactor:
+def _by_steps(
+    growth: _Growth, first: float, bound: GrowthLimit | None, near: float | None
+) -> SlipFactor:
     """Let the loads grow until they are near the factor by the pressures with them; collective.
 
-    Or near the bound, beyond which they have no answer, as where a part tips.
+    Or near the bound, beyond which they have no answer, as where a part tips. What the loads were
+    before they grew to a factor does not matter, so that one that is known to be near comes first.
     """
     most = np.inf if bound is None else bound.factor
     factor, limit, way = 1.0, min(first, most), _WAY
     moves = 0.0  # by how much the limit does over the factor
     for _ in range(_TRIES):
         if limit - factor <= _NEAR * factor:
-            return SlipFactor(limit, STEPS, bracket=_bracket(factor, limit, moves, most))
+            bracket = _bracket(factor, limit, moves, most)
+            return SlipFactor(limit, STEPS, bracket=bracket, loaded=factor)
         if factor > MOST:
             break
-        tried = factor + way * (limit - factor)
+        tried = factor + way * (limit - factor) if near is None else near
         found = growth.limit_at(tried)
         if found is None:
-            way /= 2
+            way = way / 2 if near is None else way
+            near = None
             continue
+        near = None
         moves = (min(found, most) - limit) / (tried - factor)
         factor, limit = tried, min(found, most)
     return SlipFactor()

@@ -28,7 +28,7 @@ from fenics_contact.trust.slip_factor import SlipFactor
 _OF_CELLS = 2.0 * 1.25
 _LESS_TOLERANCE = 1e-2
 
-Again = Callable[[Scene, Body], Result]
+Again = Callable[[Scene, Body, float | None], Result]
 
 
 class SlipFactorErrors:
@@ -39,7 +39,7 @@ class SlipFactorErrors:
         spaces: On its mesh.
         contacts: Of its result, with ε and ε₁ as used.
         found: The factor.
-        again: Solves a scene on a mesh.
+        again: Solves a scene on a mesh, with a factor of the loads that is tried first.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class SlipFactorErrors:
 
     def _apart(self, scene: Scene, body: Body, factor: float) -> float | None:
         """How far another answer is from the one found, times a factor; None without one."""
-        limit = self._again(scene, body).slip_limit
+        limit = self._again(scene, body, self._found.loaded).slip_limit
         if limit is None or limit.factor is None or self._found.factor is None:
             return None
         if limit.kind == "upper bound":

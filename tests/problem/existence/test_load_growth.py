@@ -9,6 +9,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Load, Material, Obstacle, Run, Scene, Steps, run
 from fenics_contact.problem.existence.load_growth import growth_limit
 from fenics_contact.scene.settings import SolverSettings
+from fenics_contact.trust import slip_factor
 from tests.scenes import box_body
 
 COMM = MPI.COMM_WORLD
@@ -78,6 +79,30 @@ def test_a_block_in_a_groove_slides_along_it(height):
     assert 0.95 * found.factor < reached.slip_limit.factor < found.factor
     # Until it slides, friction across the groove carries a part of the weight.
     assert abs(reached.slip_limit.factor - slides / pull) < solved.end.slip.bracket < 0.1
+
+
+@pytest.mark.errors
+def test_error_bars_of_a_block_in_a_groove(monkeypatch):
+    """All sources are known; other answers begin with the loads at which the first ended."""
+    tried = []
+    at = slip_factor._Growth.limit_at
+    monkeypatch.setattr(
+        slip_factor._Growth,
+        "limit_at",
+        lambda self, factor: tried.append(factor) or at(self, factor),
+    )
+    down, pull = -WEIGHT / sqrt(2), 10.0
+    loads = (
+        Load("body", body_force=(0, down / 4, down / 4), path=FIRST),
+        Load("x1", force=(pull, 0, 0), at=(4, 0.2, 0.2), path=LATER),
+    )
+    scene = held(loads, (rough("y0"), rough("z0")))
+    steps = replace(scene, solver=SolverSettings(errors="all", slip_limit="steps"))
+    found = run(steps, COMM, box_body((2, 1, 1), (4, 1, 1))).slip_limit
+    slides = FRICTION * WEIGHT * sqrt(2)
+    assert abs(found.factor - slides / pull) < found.errors["factor"]["total"] < 0.1
+    last = tried.index(1.01, 1) - 1  # the first of another answer is 1 % more load
+    assert tried[last + 1 :] == [1.01, tried[last]] * 4
 
 
 @pytest.mark.parametrize(("height", "right"), [(0.2, 5.0), (2.0, 2.5)])
