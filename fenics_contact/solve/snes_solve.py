@@ -329,7 +329,10 @@ class SnesSolve:
         # A solve that begins at an answer without forces has nothing else to compare with.
         tiny = self._largest if wanders else self._tiny
         if iteration > 0 and self.limit < imbalance <= max(_LARGEST_FLOOR * forces, tiny):
-            self.limit = max(self.limit, min(self._round_off(), cap))
+            # Beyond that share of the forces it is told from what one step leaves by a second one.
+            is_small = imbalance <= _LARGEST_FLOOR * forces or self._is_strained_alone
+            if is_small or iteration > 1:
+                self.limit = max(self.limit, min(self._round_off(), cap))
         has_begun = iteration >= self._fewest and not self._mean_stress_is_missing(iteration)
         if imbalance <= self.limit and has_begun:
             return PETSc.SNES.ConvergedReason.CONVERGED_FNORM_ABS

@@ -34,6 +34,17 @@ def test_it_balances_or_is_refused(number):
     assert not outcome.balance.faults, random
 
 
+def test_a_stiff_fit_on_springs_balances():
+    """Penalties begin with forces of 1e6 times what acts: one step leaves 4e-4 of that."""
+    solved, result = _solved(drawn(112))
+    assert not balance_of(solved, result).faults
+
+
+def _solved(random):
+    solved = Run(random.scene, COMM, random.body(COMM))
+    return solved, solved.solve()
+
+
 def first_of(kind, wanted=lambda random: True):
     """The first scene of a kind that is wanted."""
     for number in range(300):
