@@ -401,7 +401,7 @@ def _of_mean(of: _Fields, number: int) -> Iterator[str]:
     if not max(off) <= _MOTION * max(of.largest, np.abs(mean).max()):
         yield f"{row.name}: is {max(off) / of.largest:.1e} off the mean motion of its face"
     uniform = np.where([of.ring and axis == 0 for axis in range(size)], 0.0, row.force) / area
-    traction = ufl.as_vector(uniform.tolist())
+    traction = fem.Constant(of.body.mesh, uniform)  # without force and moment it is still a form
     for amount, field_of_turn in zip(by_turn, fields, strict=True):
         traction += float(amount) * field_of_turn
     work = of.weighted(ufl.dot(traction, ufl.TestFunction(of.spaces.displacement_space)))
