@@ -24,6 +24,8 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.solve.alternating_loop import AlternatingLoop, LaggedLoop, StalledError
+from fenics_contact.solve.at_points.exact_step import ExactSolver
+from fenics_contact.solve.at_points.way_to_friction import solve_at_points, solver_at_points
 from fenics_contact.solve.monolithic import GrowsError, continuation, fit_scale, monolithic
 from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.systems.solution import Solution
@@ -36,13 +38,17 @@ _LOOPS: dict[str, type[AlternatingLoop]] = {"campos": AlternatingLoop, "lagged":
 # that `auto` runs.
 _NEAR = 0.1
 
+_POINTS = "points"
 _WORDS = {
     "campos": "the paper's alternation of friction and contact, accelerated",
     "lagged": "contact and friction with the bound of the last pass, accelerated",
     "monolithic": "Newton's method on contact and friction together",
     "continuation": "Newton's method on contact and friction, the coefficient brought up or down "
     "in steps",
+    _POINTS: "contact and friction solved at the points, and confirmed on the bodies",
 }
+
+_OF_BODIES = tuple(way for way in _WORDS if way != _POINTS)
 
 _OTHERS = '; solver.strategy = "auto" tries other ways too'
 
@@ -96,6 +102,7 @@ class _Strategies:
         self.problem = newton.problem
         self.passes = 0
         self.contraction: float | None = None
+        self.at_points: ExactSolver | None = None
         self.start = newton.save()
         self.near = newton.problem.scene.solver.outer_tolerance
 
@@ -137,7 +144,7 @@ class _Strategies:
 
     def _order(self, first: str) -> list[str]:
         """The ways that `auto` tries, where possible one of them first; collective."""
-        order = sorted(_WORDS, key=lambda way: way != first)
+        order = sorted(_OF_BODIES, key=lambda way: way != first)
         if RigidMotions(self.problem).count > 0:
             order.remove("campos")
         return order
@@ -151,10 +158,12 @@ class _Strategies:
                 stick, however small their pressure. Of their bound nearly nothing depends then:
                 that of the last pass serves, to the end, before Newton's method is tried for long.
         """
+        self.at_points = solver_at_points(self.newton)
+        at_once = [_POINTS] if self.at_points is not None else []
         if not grows:
-            return self._order(first)[1:]
+            return at_once + self._order(first)[1:]
         self.near = self.problem.scene.solver.outer_tolerance
-        return self._order("lagged")
+        return at_once + self._order("lagged")
 
     def _restart(self) -> None:
         """Whatever a way that failed has left behind."""
@@ -164,6 +173,10 @@ class _Strategies:
         self.newton.restore(self.start)
 
     def _go(self, way: str, of_growth: bool) -> None:
+        if way == _POINTS:
+            assert self.at_points is not None
+            solve_at_points(self.newton, self.at_points)
+            return
         if way == "monolithic":
             monolithic(self.newton, self.start, of_growth)
             return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -89,7 +90,11 @@ class ExactSolver:
         """Forces of the last answer, with feet, (rows + feet,); None before there is one."""
         return self._last
 
-    def solve(self, start: Array | None = None) -> ExactForces:
+    def solve(
+        self,
+        start: Array | None = None,
+        parameters: Mapping[ContactSurface, tuple[float, float]] | None = None,
+    ) -> ExactForces:
         """Take the system and its contacts to the exact answer at the present loads; collective.
 
         It begins from the last answer, if there is one, else from points that stick wherever the
@@ -99,13 +104,16 @@ class ExactSolver:
         Args:
             start: Forces of another answer to begin with, as of ``last_forces``; of other points
                 they are left out.
+            parameters: ε₁ (length/stress) and ε (length) of each contact; by default those that
+                scenes give which ask for exact contacts, else none.
         """
         operator = self._present()
         size = from_root(self._system.comm, operator.size)
         if start is not None and len(start) == size:
             self._last = start
         for one in operator.points:
-            one.contact.find_forces(*self._parameters(one.contact))
+            given = None if parameters is None else parameters[one.contact]
+            one.contact.find_forces(*(given or self._parameters(one.contact)))
         found = self._solve(operator, None)
         if found.converged and not found.is_found:
             again = self._solve(operator, found.rows)
