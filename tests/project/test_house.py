@@ -51,7 +51,7 @@ INSIDE = {
     "solve": (
         *("systems", "condensed", "iterative", "exact", "at_points"),
         *("newton_failure", "initial_guess", "snes_solve", "newton"),
-        *("without_friction", "monolithic", "alternating_loop", "strategies", "load_steps"),
+        *("coulomb", "load_steps"),
     ),
     "simulation": (
         *("fingerprint", "row_tables", "state_file", "sensitivities", "studies"),
@@ -132,7 +132,7 @@ def test_imports_go_to_the_left_only() -> None:
     ("path", "name"),
     [
         ("scene/values.py", "fenics_contact.mesh.loading"),
-        ("solve/newton.py", "fenics_contact.solve.strategies"),
+        ("solve/newton.py", "fenics_contact.solve.coulomb.strategies"),
     ],
 )
 def test_an_import_to_the_right_is_noticed(path: str, name: str) -> None:

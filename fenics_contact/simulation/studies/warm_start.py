@@ -23,14 +23,14 @@ from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.monolithic import fit_scale, is_out_of_scale
-from fenics_contact.solve.newton import Newton
-from fenics_contact.solve.systems.solution import Solution
-from fenics_contact.solve.without_friction import (
+from fenics_contact.solve.coulomb.monolithic import fit_scale, is_out_of_scale
+from fenics_contact.solve.coulomb.without_friction import (
     contact_without_friction,
     set_needed,
     telling_pressure,
 )
+from fenics_contact.solve.newton import Newton
+from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.uniqueness import uniqueness_limit
 
 # Keys that have no part in the pressures without friction, and those that are looked at further.

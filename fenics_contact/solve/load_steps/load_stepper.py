@@ -25,6 +25,7 @@ from fenics_contact.problem.loads.disturbance import Drive
 from fenics_contact.problem.motion_states import FirstState, MovingState, StepForces, elastic_slip
 from fenics_contact.problem.moving import MovingInertia, moving
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import (
     AcceptedStep,
     AuxiliaryState,
@@ -35,7 +36,6 @@ from fenics_contact.solve.load_steps.accepted_step import (
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.solver_choice import Condense, SolverChoice, choose_solver, create_system
-from fenics_contact.solve.strategies import solve_step
 from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.solve.systems.system import System
 

@@ -13,6 +13,9 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.loading.load_paths import cycles_of, knots
+from fenics_contact.solve.coulomb.monolithic import is_held_by_friction
+from fenics_contact.solve.coulomb.strategies import release_held, solve_step, take_up_slack
+from fenics_contact.solve.coulomb.without_friction import follow_pressure
 from fenics_contact.solve.load_steps.accepted_step import (
     AcceptedStep,
     ContactMemory,
@@ -21,11 +24,8 @@ from fenics_contact.solve.load_steps.accepted_step import (
     recall_pairing,
     remember,
 )
-from fenics_contact.solve.monolithic import is_held_by_friction
 from fenics_contact.solve.newton import Newton
-from fenics_contact.solve.strategies import release_held, solve_step, take_up_slack
 from fenics_contact.solve.systems.solution import Solution
-from fenics_contact.solve.without_friction import follow_pressure
 
 # Of pseudo-times that are the same.
 _SAME = 1e-9

@@ -21,10 +21,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import AtEachStep, StepEnd, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.newton import Newton
-from fenics_contact.solve.strategies import solve_step
 from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.error_estimates.solving_again import (
     Again,

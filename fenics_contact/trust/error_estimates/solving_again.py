@@ -17,11 +17,11 @@ from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError, NotConvergedError
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.table import QuantityValue
+from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.load_steps.accepted_step import AtEachStep, StepEnd, StepListener
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.load_steps.step_tries import Warm
 from fenics_contact.solve.newton import Newton
-from fenics_contact.solve.strategies import solve_step
 from fenics_contact.solve.systems.solution import Solution
 
 logger = logging.getLogger(__name__)

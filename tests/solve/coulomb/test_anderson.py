@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from fenics_contact.common.parallel import largest
-from fenics_contact.solve.alternating_loop import Anderson
+from fenics_contact.solve.coulomb.alternating_loop import Anderson
 
 COMM = MPI.COMM_WORLD
 RATES = np.array([0.9, -0.6, 0.5, 0.2, 0.7])

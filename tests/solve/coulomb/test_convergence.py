@@ -11,7 +11,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Material, Scene, SolverSettings, Support, run
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import newton_failure as chatter
-from fenics_contact.solve.alternating_loop import OuterMonitor
+from fenics_contact.solve.coulomb.alternating_loop import OuterMonitor
 from fenics_contact.solve.newton_failure import Chatter
 from tests.scenes import box_body
 

@@ -24,9 +24,9 @@ from fenics_contact import (
 from fenics_contact.common.parallel import largest
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
+from fenics_contact.solve.coulomb.strategies import solve_step
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
 from fenics_contact.solve.newton import Newton
-from fenics_contact.solve.strategies import solve_step
 from fenics_contact.solve.systems.full_system import FullSystem
 from tests.messages import refused
 from tests.scenes import box_body

@@ -21,8 +21,9 @@ from fenics_contact import (
     Support,
 )
 from fenics_contact.scene.settings import SolverSettings
-from fenics_contact.solve import snes_solve, strategies
+from fenics_contact.solve import snes_solve
 from fenics_contact.solve.condensed.tangent import ContactTangent
+from fenics_contact.solve.coulomb import strategies
 from fenics_contact.solve.load_steps import step_tries
 from fenics_contact.solve.snes_solve import SnesSolve
 from fenics_contact.verification.boxes import Box, boxes

@@ -16,7 +16,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.common.errors import NotConvergedError
-from fenics_contact.solve import alternating_loop
+from fenics_contact.solve.coulomb import alternating_loop
 from fenics_contact.solve.newton import Newton
 from fenics_contact.trust.error_estimates import estimates
 from tests.scenes import box_body

@@ -16,9 +16,9 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.at_points.exact_step import ExactSolver
 from fenics_contact.solve.at_points.point_laws import why_not
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.monolithic import solve_coupled
+from fenics_contact.solve.coulomb.monolithic import solve_coupled
+from fenics_contact.solve.coulomb.without_friction import set_needed
 from fenics_contact.solve.newton import Newton
-from fenics_contact.solve.without_friction import set_needed
 
 # Rows at the points, and unknowns, up to which it takes little beside other ways.
 _FEW = 3000

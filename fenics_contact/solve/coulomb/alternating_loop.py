@@ -26,10 +26,10 @@ from fenics_contact.common.arrays import Array, Flags
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.noise import all_round_off
-from fenics_contact.solve.monolithic import solve_coupled
+from fenics_contact.solve.coulomb.monolithic import solve_coupled
+from fenics_contact.solve.coulomb.without_friction import contact_without_friction
 from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.newton_failure import Chatter
-from fenics_contact.solve.without_friction import contact_without_friction
 
 _MEMORY = 5
 # Steps whose residuals depend on each other to this are not used together.

@@ -18,14 +18,14 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import carries_more_than, is_open_or_carries
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import RigidMotions
-from fenics_contact.solve.newton import Newton
-from fenics_contact.solve.newton_failure import GIVEN_UP, GROWS
-from fenics_contact.solve.without_friction import (
+from fenics_contact.solve.coulomb.without_friction import (
     contact_without_friction,
     fits,
     follow_pressure,
     near_friction,
 )
+from fenics_contact.solve.newton import Newton
+from fenics_contact.solve.newton_failure import GIVEN_UP, GROWS
 
 logger = logging.getLogger(__name__)
 

@@ -5,8 +5,7 @@ import dataclasses
 import pytest
 
 from fenics_contact import NotConvergedError, Steps, run
-from fenics_contact.solve import strategies
-from fenics_contact.solve.at_points import way_to_friction
+from fenics_contact.solve.coulomb import at_points, strategies
 from tests.scenes import with_solver
 from tests.solve.load_steps.histories import block, dragged, shoved, two_blocks
 
@@ -38,7 +37,7 @@ def test_it_finds_the_answer_of_newtons_method(scene, body, monkeypatch):
 
 def test_newtons_method_on_the_body_only_confirms_it(monkeypatch):
     """At a given ε, from which nothing is left to be found: a step at most."""
-    confirmed, coupled = [], way_to_friction.solve_coupled
+    confirmed, coupled = [], at_points.solve_coupled
 
     def counted(newton):
         before = newton.steps
@@ -49,7 +48,7 @@ def test_newtons_method_on_the_body_only_confirms_it(monkeypatch):
     contact = dataclasses.replace(scene.contact[0], regularisation_parameter=1e-6)
     scene = dataclasses.replace(scene, contact=(contact,))
     monkeypatch.setattr(strategies, "monolithic", fails)
-    monkeypatch.setattr(way_to_friction, "solve_coupled", counted)
+    monkeypatch.setattr(at_points, "solve_coupled", counted)
     assert run(with_solver(scene, errors="none"), body=block()).passed
     assert confirmed
     assert max(confirmed) <= 1

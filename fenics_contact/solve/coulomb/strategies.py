@@ -3,7 +3,8 @@
 Strategies for Coulomb friction have an order, and one may fail: `campos` is the
 paper's loop and `lagged` its variant (``alternating_loop``); `monolithic` is Newton's method on
 the whole, `continuation` the same with the coefficient brought up in steps (``monolithic``).
-`auto` tries one after the other.
+`auto` tries one after the other, and where the first one fails, a solve at the points of small
+contacts before the rest (``at_points``).
 
 The body's scalars under forces are brought to bear before their equations are solved. Where
 nothing touches yet, a bolt that is tightened to a force is a mechanism: no value of its scalar,
@@ -23,13 +24,13 @@ import numpy as np
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.problem.rigid_motions import RigidMotions
-from fenics_contact.solve.alternating_loop import AlternatingLoop, LaggedLoop, StalledError
 from fenics_contact.solve.at_points.exact_step import ExactSolver
-from fenics_contact.solve.at_points.way_to_friction import solve_at_points, solver_at_points
-from fenics_contact.solve.monolithic import GrowsError, continuation, fit_scale, monolithic
+from fenics_contact.solve.coulomb.alternating_loop import AlternatingLoop, LaggedLoop, StalledError
+from fenics_contact.solve.coulomb.at_points import solve_at_points, solver_at_points
+from fenics_contact.solve.coulomb.monolithic import GrowsError, continuation, fit_scale, monolithic
+from fenics_contact.solve.coulomb.without_friction import glued_where_it_slides
 from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.systems.solution import Solution
-from fenics_contact.solve.without_friction import glued_where_it_slides
 
 logger = logging.getLogger(__name__)
 

@@ -1,0 +1,1 @@
+"""Ways to Coulomb friction: bound and traction of every point found together, or by turns."""
