@@ -89,6 +89,7 @@ SCENES = {
     "nearly incompressible, full": (dragged(STEPS, solid=0.499, solver="full"), block),
     "two bodies": (shoved(STEPS), two_blocks),
     "centres of tetrahedra": (SOLID, tetrahedra),
+    "exact": (shoved(STEPS, strategy="exact"), two_blocks),
     "motion": (KICKED, tetrahedra),
     "bolt in motion": (joint(6.0, end=0.012), joint_body),
     "coupled in motion": (swinging(), swinging_body),
@@ -121,7 +122,7 @@ def resumed(scene, body, folder):
     "name",
     [
         *("automatic", "nearly incompressible, full", "two bodies", "centres of tetrahedra"),
-        *("motion", "bolt in motion", "coupled in motion"),
+        *("exact", "motion", "bolt in motion", "coupled in motion"),
     ],
 )
 def test_a_run_goes_on_on_other_ranks(name, folder, monkeypatch):
