@@ -194,6 +194,15 @@ class SolverSettings:
             "takes little"
         ),
     ] = "auto"
+    all_answers: Annotated[
+        bool,
+        Strict(),
+        Field(
+            description="of contacts that are solved exactly, whether all answers of the last load "
+            "step are looked for: by the statuses of up to 24 points that may touch, of more from "
+            "several starts; `branches` of the results"
+        ),
+    ] = False
 
 
 Share = Annotated[Number, Field(gt=0, lt=1)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from fenics_contact.common.parallel import largest
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.values import AXES
+from fenics_contact.solve.at_points.exact_step import ExactSolver
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
 
@@ -68,8 +69,6 @@ def other_solutions(load_steps: LoadSteps) -> Iterator[tuple[str, Solution | Non
     """
     assert load_steps.last is not None
     newton, problem = load_steps.newton, load_steps.problem
-    if newton.exact is not None:
-        return
     known = [load_steps.last.solution.displacement]
     try:
         for start in starts(problem.spaces.components):
@@ -88,6 +87,62 @@ def other_solutions(load_steps: LoadSteps) -> Iterator[tuple[str, Solution | Non
             if not any(is_same(problem, found.displacement, other) for other in known):
                 known.append(found.displacement)
                 yield start.name, found
+    finally:
+        load_steps.go_back()
+
+
+@dataclass(frozen=True)
+class ExactAnswers:
+    """Answers of a load step whose contacts are solved exactly, other than the known one.
+
+    Attributes:
+        others: Their names and solutions.
+        complete: Whether there are surely no more.
+        way: How they were looked for, in words.
+    """
+
+    others: Iterator[tuple[str, Solution]]
+    complete: bool
+    way: str
+
+
+def exact_answers(load_steps: LoadSteps, exact: ExactSolver) -> ExactAnswers:
+    """Find all answers of the last load step at the contact points; collective.
+
+    Args:
+        load_steps: At their end; all is there again when all others have been asked for.
+        exact: Of their problem.
+
+    Returns:
+        Answers; the problem's state is that of one until the next is asked for.
+    """
+    assert load_steps.last is not None
+    load_steps.go_back()
+    found = exact.all_answers()
+    load_steps.go_back()
+    return ExactAnswers(_others(load_steps, exact, found.forces), found.complete, found.way)
+
+
+def _others(
+    load_steps: LoadSteps, exact: ExactSolver, forces: Sequence[Array]
+) -> Iterator[tuple[str, Solution]]:
+    """Take the problem to answers that are not known yet, one after the other; collective."""
+    newton, last = load_steps.newton, load_steps.last
+    assert last is not None
+    known = [last.solution.displacement]
+    try:
+        for start in forces:
+            load_steps.go_back()
+            newton.forget()
+            answer = exact.solve(start)
+            if not answer.is_found:
+                continue
+            newton.limit = answer.limit
+            newton.steps, newton.imbalances[:] = answer.steps, [answer.imbalance]
+            found = newton.solution(0, answer.way)
+            if not any(is_same(load_steps.problem, found.displacement, one) for one in known):
+                known.append(found.displacement)
+                yield f"answer {len(known)}", found
     finally:
         load_steps.go_back()
 

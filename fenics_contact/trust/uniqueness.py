@@ -31,10 +31,11 @@ from fenics_contact.evaluate.quantities import global_quantities
 from fenics_contact.problem.problem import Problem
 from fenics_contact.results.records.contacts import BranchContact
 from fenics_contact.results.records.steps import BranchRecord
+from fenics_contact.solve.at_points.exact_step import ExactSolver
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.systems.solution import Solution
-from fenics_contact.trust.branches import other_solutions
+from fenics_contact.trust.branches import exact_answers, other_solutions
 from fenics_contact.trust.heat_answers import other_temperatures
 from fenics_contact.trust.run_checks import run_checks
 
@@ -173,11 +174,15 @@ class OtherAnswers:
             the answer is the only one by an estimate, and the coefficient that it has.
         branches: Answers, that of the run first, as in ``result.json``; empty if not asked for.
         without_answer: Number of starts from which none was found.
+        way: How answers of contacts that are solved exactly were looked for; empty of others.
+        complete: Whether there are surely no others than these.
     """
 
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
     branches: list[BranchRecord] = field(default_factory=list)
     without_answer: int = 0
+    way: str = ""
+    complete: bool = False
 
     def limit(self, contact: str) -> float | None:
         """``uniqueness_limit`` of a contact for ``result.json``, None where there is none."""
@@ -185,6 +190,8 @@ class OtherAnswers:
 
     def words(self) -> str:
         """Sentences for the verdict, or nothing; an answer that fails a check counts for none."""
+        if self.way:
+            return self._exact_words()
         others = [branch.start for branch in self.branches[1:] if branch.passed]
         if others:
             starts = " and ".join(f"'{start}'" for start in others)
@@ -209,6 +216,17 @@ class OtherAnswers:
             f"{' and '.join(beyond)}: there may be others; {looked}."
         )
 
+    def _exact_words(self) -> str:
+        count = len(self.branches)
+        if count > 1:
+            return (
+                f" It is not the only answer: {count} were found, {self.way}; see branches in "
+                "result.json."
+            )
+        if self.complete:
+            return f" It is the only answer, {self.way}."
+        return f" No other answer was found, {self.way}."
+
 
 def search_other_solutions(load_steps: LoadSteps) -> OtherAnswers:
     """Estimate limits of uniqueness, and look for other answers if the scene asks; collective."""
@@ -222,8 +240,12 @@ def search_other_solutions(load_steps: LoadSteps) -> OtherAnswers:
             coefficient = contact.friction.bound_slope(contact.pressure())
             if limit is not None:
                 limits[contact.label] = limit, largest(problem.comm, coefficient)
-    branches, without_answer = [], 0
-    if problem.scene.solver.branches and problem.coulomb and load_steps.last is not None:
+    branches, without_answer, solver = [], 0, problem.scene.solver
+    exact = load_steps.newton.exact
+    if exact is not None:
+        asked = solver.branches or solver.all_answers
+        return _of_points(load_steps, exact, limits) if asked else OtherAnswers(limits)
+    if solver.branches and problem.coulomb and load_steps.last is not None:
         branches.append(_branch(problem, "as solved", load_steps.last.solution))
         for start, found in other_solutions(load_steps):
             if found is None:
@@ -231,6 +253,18 @@ def search_other_solutions(load_steps: LoadSteps) -> OtherAnswers:
             else:
                 branches.append(_branch(problem, start, found))
     return OtherAnswers(limits, [*branches, *_of_temperatures(load_steps)], without_answer)
+
+
+def _of_points(
+    load_steps: LoadSteps, exact: ExactSolver, limits: dict[str, tuple[float, float]]
+) -> OtherAnswers:
+    """All answers of contacts that are solved exactly, the known one first; collective."""
+    problem, last = load_steps.problem, load_steps.last
+    assert last is not None
+    branches = [_branch(problem, "as solved", last.solution)]
+    found = exact_answers(load_steps, exact)
+    branches += [_branch(problem, name, solution) for name, solution in found.others]
+    return OtherAnswers(limits, branches, way=found.way, complete=found.complete)
 
 
 def _of_temperatures(load_steps: LoadSteps) -> list[BranchRecord]:

@@ -16,6 +16,11 @@ def require_exact(scene: CoreScene) -> None:
         ValueError: In a sentence that begins with the key.
     """
     if not scene.is_exact:
+        if scene.solver.all_answers:
+            raise ValueError(
+                "solver.all_answers = true: all answers are found where contacts are solved "
+                "exactly; set solver.strategy = 'exact', or take solver.branches = true"
+            )
         return
     _require_parameters(scene)
     solver = scene.solver

@@ -22,6 +22,7 @@ from fenics_contact.solve.at_points.point_operator import PointOperator
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.exact.derivatives import points_at_edges
 from fenics_contact.solve.exact.local_problem import LocalProblem, PointLaws
+from fenics_contact.solve.exact.several.all_answers import all_answers
 from fenics_contact.solve.exact.solver import solve
 
 logger = logging.getLogger(__name__)
@@ -59,6 +60,21 @@ class ExactForces:
     def is_found(self) -> bool:
         """Whether it is an answer: laws hold, and the body is in balance."""
         return self.converged and self.imbalance <= self.limit
+
+
+@dataclass(frozen=True, eq=False)
+class FoundAnswers:
+    """Forces at the points of several answers, the same on every rank.
+
+    Attributes:
+        forces: Of each answer, with feet, (rows + feet,) (force; length).
+        complete: Whether there are surely no others.
+        way: How they were looked for, in words.
+    """
+
+    forces: list[Array]
+    complete: bool
+    way: str
 
 
 class ExactSolver:
@@ -136,6 +152,20 @@ class ExactSolver:
             free = openings - operator.compliance @ base
             answer = solve(self._local_problem(operator, free, laws), base)
         return PointAdjoint(operator, answer, forces, self._system.comm)
+
+    def all_answers(self) -> FoundAnswers:
+        """Find forces of all answers at the present loads, to ``solve`` from; collective."""
+        operator = self._present()
+        for one in operator.points:
+            one.contact.find_forces(*self._parameters(one.contact))
+        openings, laws = operator.openings(), laws_of(operator.points)
+        found = None
+        if operator.compliance is not None:
+            every = all_answers(self._local_problem(operator, openings, laws))
+            found = FoundAnswers([one.forces for one in every.answers], every.complete, every.way)
+        answers = from_root(self._system.comm, found)
+        assert answers is not None
+        return answers
 
     def _solve(self, operator: PointOperator, acting: Array | None) -> ExactForces:
         """One solve; collective.

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.linalg import LinAlgError
 
 from fenics_contact.common.arrays import Array, Integers
+from fenics_contact.solve.exact.active_system import FrictionRows, adhesive_rows, linearised
 from fenics_contact.solve.exact.answer import ExactAnswer
 from fenics_contact.solve.exact.local_problem import NONE, LocalProblem
 from fenics_contact.solve.exact.natural_map import NaturalMap
@@ -53,7 +54,8 @@ def all_answers(problem: LocalProblem) -> AllAnswers:
     directions of slip are found by Newton's method from each combination, so that answers which
     differ in these alone may be missed. With more points, and with laws whose bounds are not linear
     in the force, starts are tried: the adhesive one, all open, without friction, all slipping
-    either way along each axis, each of these as it is and perturbed twice.
+    either way along each axis under these pressures, all touching and sticking, or slipping either
+    way; each of these as it is and perturbed twice.
 
     Args:
         problem: W, q and the laws.
@@ -210,11 +212,36 @@ class _Search:
                 bound = equations.bounds(np.maximum(without[:count:size], 0.0))[0]
                 slides[axis:count:size] = sign * np.where(equations.rubs, bound, 0.0)
                 begins.append(slides)
+        begins += [forces for forces in self._all_touching() if forces is not None]
         scale = max(np.abs(forces[:count]).max() for forces in begins)
         for forces in begins:
             yield forces
             for _ in range(2):
                 yield forces + _PERTURBED * scale * random.normal(size=len(forces))
+
+    def _all_touching(self) -> Iterator[Array | None]:
+        """Forces where all points touch, and stick, or slip one way along an axis; also pulling."""
+        equations = self.equations
+        yield self._touching(adhesive_rows(equations))
+        rubs = np.flatnonzero(equations.rubs)
+        bound, slope = (each[rubs, None] for each in equations.bounds(np.ones(equations.points)))
+        along = equations.dimension - 1
+        for axis in range(along):
+            for sign in (1.0, -1.0):
+                way = sign * np.eye(along)[[axis] * len(rubs)]
+                turning = np.zeros((len(rubs), along, along))
+                known = np.where(equations.given[rubs, None], bound, bound - slope)
+                yield self._touching(FrictionRows(rubs, turning, slope * way, known * way))
+
+    def _touching(self, friction: FrictionRows) -> Array | None:
+        """Forces where all points touch; None where there are none."""
+        equations = self.equations
+        system = linearised(equations, np.ones(equations.points, dtype=bool), friction)
+        if system is None:
+            return None
+        forces = np.zeros(len(equations.free))
+        forces[system.rows] = system.solve(system.right)
+        return forces
 
     @cached_property
     def _smooth(self) -> Array:

@@ -129,5 +129,5 @@ def test_of_too_many_points_starts_are_tried() -> None:
     laws = PointLaws(np.full(40, 0.6), bound=lambda r: (0.6 * r / (1 + r), 0.6 / (1 + r) ** 2))
     found = all_answers(pressed(compliance, places, 0.02, 0.004, laws))
     assert not found.complete
-    assert "15 starts" in found.way
+    assert "24 starts" in found.way
     assert len(found.answers) == 1
