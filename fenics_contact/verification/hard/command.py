@@ -28,7 +28,8 @@ Every case has an answer that is known from elsewhere, or is known to have none.
 program finds that answer within the limit, or ends without an answer, by exit code 2 (refused) or
 3 (not converged), where that is expected and in words that name the reason. A case that is given a
 wrong answer for good (exit code 0 and all checks passed) is **silently wrong**. An answer that a
-check of the physics refuses (exit code 4) is *untrusted*, and no pass.
+check of the physics refuses (exit code 4) is *untrusted*, and passes only where the answer itself
+is to be refused, as one with cells that turn inside out.
 
 The row of a case has the run with the most Newton steps, or the one that gave no answer, and the
 finding that is nearest to its limit. Errors are relative, or absolute where marked abs. The limits

@@ -11,6 +11,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Material, Scene, SolverSettings, Support, run
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import newton_failure as chatter
+from fenics_contact.solve.coulomb import at_points
 from fenics_contact.solve.coulomb.alternating_loop import OuterMonitor
 from fenics_contact.solve.newton_failure import Chatter
 from tests.scenes import box_body
@@ -119,9 +120,16 @@ def test_loop_that_does_not_contract_is_said():
     assert "multiplies differences" not in calm.verdict
 
 
-def test_run_that_fails_says_which_points_chatter_and_what_was_tried():
-    """(μ, dx, dy) = (2, .5, −.0005): solved by no strategy."""
+def test_run_that_fails_says_which_points_chatter_and_what_was_tried(monkeypatch):
+    """(μ, dx, dy) = (2, .5, −.0005): solved by no strategy but at the points.
+
+    It stands on one corner, whose cells are turned inside out.
+    """
     scene = block(2.0, (0.5, -0.0005))
+    at_points_alone = run(scene, COMM, box_body((16, 8), (2, 1)))
+    assert at_points_alone.exit_code == 4
+    assert len(at_points_alone.steps[-1]["attempts"]) == 1
+    monkeypatch.setattr(at_points, "_FEW", 0)
     result = run(scene, COMM, box_body((16, 8), (2, 1)))
     assert result.exit_code == 3
     assert "points of 'y0' keep changing between" in result.verdict

@@ -11,6 +11,7 @@ from mpi4py import MPI
 from fenics_contact import Contact, Load, Material, Obstacle, Scene, SolverSettings, Support, run
 from fenics_contact.common.errors import NoEquilibriumError
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.coulomb import at_points
 from tests.messages import refused
 from tests.scenes import box_body
 
@@ -91,7 +92,12 @@ WORDS = {"campos": CAMPOS, "lagged": LAGGED, "monolithic": NEWTON}
         (lambda way: driven(1.0, 0.02, -0.005, way, FEW), list(WORDS), RAISED),
     ],
 )  # fmt: skip
-def test_each_way_rescues_what_those_before_it_cannot_solve(body, failing, rescue, caplog):
+def test_each_way_rescues_what_those_before_it_cannot_solve(
+    body, failing, rescue, caplog, monkeypatch
+):
+    """Where there are too many points to solve at these alone; else that is the next way."""
+    assert "at the points" in body("auto").model["strategy"]
+    monkeypatch.setattr(at_points, "_FEW", 0)
     for way in failing:
         assert not body(way).converged
     with caplog.at_level(logging.INFO, "fenics_contact"):
