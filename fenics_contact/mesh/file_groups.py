@@ -137,7 +137,8 @@ def named_groups(
                 )
         groups[name] = tags.group(tags.dimension - 1, parts)
     by_number = numbers if has_boundaries else sides
-    if not description.get("lists_once"):
+    # Cuts leave surfaces their numbers, but not points and edges.
+    if not description.get("lists_once") and not description.get("is_cut"):
         by_number = by_number | tags.numbered_places()
     return groups, by_number, sides
 

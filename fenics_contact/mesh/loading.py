@@ -277,7 +277,8 @@ def _read(
         ready = prepared(file, Path(folder))
         job |= {"file": str(ready.path), "version": ready.version, "folder": folder}
         given = b"" if sizes is None else sizes.as_bytes()
-        return gmsh_call.call(ready, job, given, limits)
+        description, arrays = gmsh_call.call(ready, job, given, limits)
+    return description | {"is_cut": bool(cuts)}, arrays
 
 
 def _check_settings(key: str, source: MeshSource, file: MeshFile) -> None:

@@ -53,7 +53,7 @@ def source(request, tmp_path_factory):
     found = MeshSource(file, size=1.0)
     numbers = load_body(found, dimension, COMM).numbers
     depth = (0.5,) if dimension == 3 else (0.0,)
-    places = {number: group.centre for number, group in numbers.items()}
+    places = {number: group.centre for number, group in numbers.items() if not group.places}
 
     def at(part, top):
         x, y, wide, high = PLACES[part]
@@ -157,7 +157,8 @@ def test_two_in_one_body(folder):
 
     file = cad.write_shapes(folder / "stud.brep", build)
     mesh = MeshSource(file, size=0.5)
-    centres = {n: group.centre[:2] for n, group in load_body(mesh, 2, COMM).numbers.items()}
+    numbers = load_body(mesh, 2, COMM).numbers
+    centres = {n: group.centre[:2] for n, group in numbers.items() if not group.places}
     places = {"foot": (0.5, 0), "end": (0.5, 10), "left": (-1, 5), "right": (2, 5)}
     groups = {
         name: tuple(int(n) for n, c in centres.items() if np.allclose(c, place, atol=1e-5))

@@ -22,6 +22,8 @@ from fenics_contact.solve.newton import Newton
 
 # Rows at the points, and unknowns, up to which it takes little beside other ways.
 _FEW = 3000
+# Newton steps that a scene has to allow: one try takes as many.
+_STEPS = 30
 
 
 def solver_at_points(newton: Newton) -> ExactSolver | None:
@@ -31,10 +33,13 @@ def solver_at_points(newton: Newton) -> ExactSolver | None:
         newton: On a problem with Coulomb contacts.
 
     Returns:
-        The solver, None where it does not cover the problem, or would take long.
+        The solver, None where it does not cover the problem, would take long, or takes more steps
+        than the scene allows.
     """
     system, problem = newton.system, newton.problem
     if not isinstance(system, CondensedSystem) or why_not(problem) is not None:
+        return None
+    if problem.scene.solver.max_iterations < _STEPS:
         return None
     solver = ExactSolver(problem, system)
     return solver if max(system.width, solver.rows) <= _FEW else None
