@@ -98,8 +98,8 @@ class ExactSolver:
 
     @property
     def rows(self) -> int:
-        """Number of rows of all points; collective."""
-        return self._present().rows
+        """Number of rows of all points, known before their operator is made; collective."""
+        return sum(one.count * one.size for one in self._points())
 
     @property
     def last_forces(self) -> Array | None:
@@ -219,12 +219,15 @@ class ExactSolver:
         of = (self._system.version, *self._system.held_scalars)
         operator = self._operator
         if operator is None or of != self._of or not self._are_all(operator):
-            acting = [contact for contact in self._problem.contacts if contact.forces.terms]
-            points = [ContactPoints(contact) for contact in acting]
+            points = self._points()
             operator = self._operator = PointOperator(self._system, points)
             self._weights = np.concatenate([one.weights for one in points])
             self._of, self._last, self._local = of, None, None
         return operator
+
+    def _points(self) -> list[ContactPoints]:
+        acting = [contact for contact in self._problem.contacts if contact.forces.terms]
+        return [ContactPoints(contact) for contact in acting]
 
     def _are_all(self, operator: PointOperator) -> bool:
         """Whether the points are those that have something opposite now; collective."""
