@@ -22,7 +22,6 @@ from fenics_contact.solve.at_points.point_operator import PointOperator
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.exact.derivatives import points_at_edges
 from fenics_contact.solve.exact.local_problem import LocalProblem, PointLaws
-from fenics_contact.solve.exact.several.all_answers import all_answers
 from fenics_contact.solve.exact.solver import solve
 
 logger = logging.getLogger(__name__)
@@ -155,6 +154,9 @@ class ExactSolver:
 
     def all_answers(self) -> FoundAnswers:
         """Find forces of all answers at the present loads, to ``solve`` from; collective."""
+        # It needs scipy.optimize, which few runs have to load.
+        from fenics_contact.solve.exact.several.all_answers import all_answers
+
         operator = self._present()
         for one in operator.points:
             one.contact.find_forces(*self._parameters(one.contact))
