@@ -12,6 +12,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.common.parallel import from_root
 from fenics_contact.results.result import Result
 from fenics_contact.scene.body import Material
 from fenics_contact.scene.contact import Contact
@@ -84,7 +85,7 @@ def _of_file(cells: int) -> Result:
     """Solved on wedges with hexahedra, which are read from a file; collective."""
     comm = MPI.COMM_WORLD
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(comm.bcast(folder)) / "block.inp"
+        path = Path(from_root(comm, folder)) / "block.inp"
         if comm.rank == 0:
             path.write_text(wedges_with_hexahedra(cells), encoding="ascii")
         comm.barrier()
