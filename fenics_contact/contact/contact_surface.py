@@ -340,7 +340,7 @@ class ContactSurface:
         return self.normal.pushes_only
 
     def name_of(self, term: NormalTerm | FrictionTerm) -> str:
-        """What a term models, and where, for results.
+        """Name of an energy term in results: its model, and the contact that it acts at.
 
         Args:
             term: One of ``forces.terms``.

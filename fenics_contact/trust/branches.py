@@ -134,12 +134,11 @@ def _others(
         for start in forces:
             load_steps.go_back()
             newton.forget()
-            answer = exact.solve(start)
-            if not answer.is_found:
+            try:
+                found = newton.solve_exactly(exact, start)
+            except NotConvergedError as error:
+                logger.debug("  %s", error)
                 continue
-            newton.limit = answer.limit
-            newton.steps, newton.imbalances[:] = answer.steps, [answer.imbalance]
-            found = newton.solution(0, answer.way)
             if not any(is_same(load_steps.problem, found.displacement, one) for one in known):
                 known.append(found.displacement)
                 yield f"answer {len(known)}", found

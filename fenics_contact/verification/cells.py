@@ -1,4 +1,4 @@
-"""The same contact on cells of several kinds: hexahedra, wedges with hexahedra, and tetrahedra."""
+"""One contact on three meshes: of hexahedra, of wedges with hexahedra, and of tetrahedra."""
 
 from __future__ import annotations
 

@@ -322,7 +322,16 @@ class Conduction:
         return self._over(states, self.steps())
 
     def by_unit_steps(self, states: Sequence[ContactState]) -> dict[int, Array]:
-        """What would cross if the slave were colder by one all over; all else as of ``across``."""
+        """Heat that would cross each contact if its slave were colder by one degree everywhere.
+
+        Collective.
+
+        Args:
+            states: Of all contacts, whose pressures say how much crosses.
+
+        Returns:
+            By the contact's number, what flows into all nodes of all ranks, (nodes,) (power).
+        """
         return self._over(states, [one.faces.astype(float) for one in self.contacts])
 
     def _over(self, states: Sequence[ContactState], steps: Sequence[Array]) -> dict[int, Array]:

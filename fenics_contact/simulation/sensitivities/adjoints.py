@@ -85,7 +85,7 @@ class AnswerAdjoint(ABC):
 
 
 class _LawsAdjoint(AnswerAdjoint):
-    """By the true tangent of the answer, in which forces follow the jumps."""
+    """Adjoint of an answer with penalties: its true tangent, in which forces follow jumps."""
 
     def of(self, state: StateGradient) -> tuple[Multipliers, list[GivenGradient]]:
         """Multipliers of a quantity, and its gradient in what each contact is given; collective."""
@@ -122,7 +122,7 @@ class _LawsAdjoint(AnswerAdjoint):
 
 
 class _ExactAdjoint(AnswerAdjoint):
-    """By the laws linearised at the points, where an exact solver found the forces.
+    """Adjoint of an exact answer: the laws of contact and friction linearised at the points.
 
     Args:
         condensed: Of the body.

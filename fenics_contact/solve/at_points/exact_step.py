@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from mpi4py import MPI
@@ -25,6 +26,8 @@ from fenics_contact.solve.exact.local_problem import LocalProblem, PointLaws
 from fenics_contact.solve.exact.solver import solve
 
 logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +77,9 @@ class FoundAnswers:
     forces: list[Array]
     complete: bool
     way: str
+
+
+_BROKEN_DOWN = FoundAnswers([], False, "as the search broke down; there may be others")
 
 
 class ExactSolver:
@@ -149,13 +155,14 @@ class ExactSolver:
         if operator.compliance is not None:
             base = np.append(forces, np.zeros(len(openings) - operator.rows))
             free = openings - operator.compliance @ base
-            answer = solve(self._local_problem(operator, free, laws), base)
+            problem = self._local_problem(operator, free, laws)
+            answer = _tried(lambda: solve(problem, base))
         return PointAdjoint(operator, answer, forces, self._system.comm)
 
     def all_answers(self) -> FoundAnswers:
         """Find forces of all answers at the present loads, to ``solve`` from; collective."""
         # It needs scipy.optimize, which few runs have to load.
-        from fenics_contact.solve.exact.several.all_answers import all_answers
+        from fenics_contact.solve.exact.several import all_answers
 
         operator = self._present()
         for one in operator.points:
@@ -163,8 +170,12 @@ class ExactSolver:
         openings, laws = operator.openings(), laws_of(operator.points)
         found = None
         if operator.compliance is not None:
-            every = all_answers(self._local_problem(operator, openings, laws))
-            found = FoundAnswers([one.forces for one in every.answers], every.complete, every.way)
+            problem = self._local_problem(operator, openings, laws)
+            every = _tried(lambda: all_answers(problem))
+            found = _BROKEN_DOWN
+            if every is not None:
+                forces = [one.forces for one in every.answers]
+                found = FoundAnswers(forces, every.complete, every.way)
         answers = from_root(self._system.comm, found)
         assert answers is not None
         return answers
@@ -273,12 +284,19 @@ def _none(problem: LocalProblem) -> ExactForces:
     return ExactForces(nothing, nowhere, nowhere, 0, converged=False, residual=np.inf, way="")
 
 
-def _solved(problem: LocalProblem, start: Array | None) -> ExactForces:
+def _tried(work: Callable[[], T]) -> T | None:
+    """What rank 0 works out, None where it breaks down: no other rank may wait for it."""
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            answer = solve(problem, start)
+            return work()
     except (ArithmeticError, ValueError, LinAlgError) as error:  # numbers that are none
         logger.debug("exact solve: %s", error)
+        return None
+
+
+def _solved(problem: LocalProblem, start: Array | None) -> ExactForces:
+    answer = _tried(lambda: solve(problem, start))
+    if answer is None:
         return _none(problem)
     return ExactForces(
         rows=answer.forces,

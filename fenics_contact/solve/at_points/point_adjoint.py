@@ -38,12 +38,12 @@ class PointAdjoint:
 
     Args:
         operator: How forces move points.
-        answer: On rank 0; None on others, or where there is none.
+        answer: On rank 0; None on others, or where none was found.
         forces: As of the attributes.
         comm: Of the ranks.
 
     Raises:
-        NotConvergedError: The linearised laws are singular.
+        NotConvergedError: There is no answer, or the linearised laws are singular.
     """
 
     def __init__(
@@ -51,11 +51,12 @@ class PointAdjoint:
     ) -> None:
         self._operator, self._comm, self.forces = operator, comm, forces
         self._linear: Linearisation | None = None
-        ends = False
-        try:
-            self._linear = None if answer is None else Linearisation(answer)
-        except ValueError:
-            ends = True
+        ends = comm.rank == 0 and answer is None
+        if answer is not None:
+            try:
+                self._linear = Linearisation(answer)
+            except ValueError:
+                ends = True
         if from_root(comm, ends):
             raise NotConvergedError(
                 "derivatives: the answer is at a limit, where it does not follow what is given"

@@ -66,12 +66,21 @@ def solve_at_points(newton: Newton, solver: ExactSolver) -> None:
 
 
 def _take(newton: Newton, solver: ExactSolver, smoothed: bool) -> None:
-    """Go to the answer of the points."""
+    """Go to the answer of the points, with the contacts' own ε₁; collective.
+
+    Args:
+        newton: On a problem with Coulomb contacts.
+        solver: Of the same.
+        smoothed: Whether with their ε, too; else without smoothing.
+
+    Raises:
+        NotConvergedError: None was found.
+    """
     for contact in newton.problem.contacts:
         contact.take_found(None)
     parameters = {
         contact: (
-            contact.penalty_parameter * contact.is_one_sided,
+            contact.penalty_parameter,
             contact.regularisation_parameter if smoothed else 0.0,
         )
         for contact in newton.problem.contacts

@@ -21,6 +21,7 @@ from fenics_contact import (
     run,
 )
 from fenics_contact.solve.at_points import exact_step
+from fenics_contact.solve.exact import several
 from fenics_contact.verification.boxes import Box, boxes
 from tests.messages import refused
 from tests.scenes import box_body, with_solver
@@ -211,6 +212,19 @@ def test_a_solver_that_breaks_down_is_no_answer(monkeypatch: pytest.MonkeyPatch)
     found = run(errors_off(bar()), body=box_body((2, 2), (1, LENGTH)))
     assert found.exit_code == 3
     assert "what is left of their laws" in found.verdict
+
+
+def test_a_search_for_all_answers_that_breaks_down_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rank 0 searches alone, too."""
+
+    def broken(*given: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(several, "all_answers", broken)
+    found = run(errors_off(bar(), all_answers=True), body=box_body((2, 2), (1, LENGTH)))
+    assert found.passed
+    assert "as the search broke down; there may be others" in found.verdict
+    assert len(found.branches) == 1
 
 
 def test_a_punch_that_moves_takes_its_points_along() -> None:

@@ -142,7 +142,7 @@ class HeatErrors:
         return np.asarray(np.add.reduce([bodies.nodal(form) for form in self._response]))
 
     def across(self, states: Sequence[ContactState]) -> dict[int, float]:
-        """How much more crosses contacts by the errors beside those of nodes; collective.
+        """Heat that errors of temperature within cells carry across contacts; collective.
 
         Args:
             states: Of all contacts.
@@ -208,7 +208,10 @@ class HeatErrors:
         )
 
     def _response_of(self, test: Expr) -> list[fem.Form]:
-        """What the errors do to the nodes; on contacts their flux is taken for the cell's own."""
+        """Forms of the heat that errors of temperature within cells bring to the nodes.
+
+        On contacts the flux of the errors is taken for that of the cell.
+        """
         bodies = self._conduction.bodies
         work = [self._work(test, self.error, test, self.error)]
         normal = ufl.FacetNormal(self._spaces.body.mesh)
@@ -235,7 +238,7 @@ class HeatErrors:
 
 
 def missed_heat(problem: Problem, sides: CurvedSides) -> Array | None:
-    """Heat at the nodes of all ranks that stands for what a mesh misses; collective.
+    """Heat at the nodes that a mesh with straight sides and nodal fluxes leaves out; collective.
 
     What lies between facets and the curves that they stand for conducts, too, and functions that
     fluxes are given by are interpolated between nodes. As forces do of ``MissedBody``.

@@ -269,7 +269,7 @@ class LocalErrors:
         return float(total(self._problem.comm, float(own)))
 
     def heat_across(self, states: Sequence[ContactState]) -> dict[int, float]:
-        """How much more heat crosses contacts by errors beside those of nodes; collective.
+        """Heat that errors of temperature within cells carry across contacts; collective.
 
         Args:
             states: Of all contacts.
