@@ -177,16 +177,21 @@ def test_a_point_on_the_axis_is_one_for_all_sectors(kind, solver):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("amount", [0.0, 0.3])
-def test_a_shaft_in_torsion(kind, amount):
-    """θ = T L/(G J), with faces of the cut that match or do not."""
+@pytest.mark.parametrize("beside", ["equal", "graded", "off-centre"])
+def test_a_shaft_in_torsion(kind, beside):
+    """θ = T L/(G J), with faces of the cut that match or do not, also by middles of edges."""
     inner, outer, torque = 10.0, 30.0, 900.0
     body = ring(4, order=2, turn=1 / SECTORS, length=LENGTH)
     x = body.mesh.geometry.x
     ahead = np.arctan2(x[:, 1], x[:, 0]) * SECTORS / (2 * np.pi)
     radius = np.hypot(x[:, 0], x[:, 1])
     shares = (radius - inner) / (outer - inner), x[:, 2] / LENGTH
-    along, up = (amount * ahead * (1 - np.abs(2 * share - 1)) for share in shares)
+    moves = {
+        "equal": lambda share: 0 * share,
+        "graded": lambda share: 0.3 * (1 - np.abs(2 * share - 1)),
+        "off-centre": lambda share: share * (1 - share),
+    }
+    along, up = (ahead * moves[beside](share) for share in shares)
     x[:, :2] *= (1 + 5 * along / radius)[:, None]
     x[:, 2] += 10 * up
     scene = on_shaft(1, kind=kind, discretisation=Discretisation(2))

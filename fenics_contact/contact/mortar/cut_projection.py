@@ -24,7 +24,7 @@ from fenics_contact.contact.mortar.facet_mesh import FacetMesh
 from fenics_contact.contact.mortar.pairing import gathered
 from fenics_contact.contact.mortar.projection import integrate
 from fenics_contact.contact.mortar.ray_projection import hits
-from fenics_contact.contact.mortar.rim_of_facets import places_on_rim, rim_edges
+from fenics_contact.contact.mortar.rim_of_facets import places_on_rim, rim_of
 from fenics_contact.contact.surface.trace import Trace
 
 # Shares of which a node has less in another: round-off of the mortar projection.
@@ -110,14 +110,12 @@ def _shares_of_part(slave: FacetMesh, master: FacetMesh) -> tuple[Integers, Arra
     nodes = np.unique(slave.nodes)
     places = np.full((slave.node_count, slave.dimension), np.nan)
     places[nodes] = slave.node_positions()[nodes]
-    others = np.zeros((master.node_count, master.dimension))
-    others[np.unique(master.nodes)] = master.node_positions()[np.unique(master.nodes)]
-    edges = rim_edges(slave)
-    rim: Integers = np.unique(edges)
-    at_rim, apart = places_on_rim(places[rim], rim_edges(master), others)
+    rim: Integers = np.unique(rim_of(slave).nodes)
+    at_rim, others = places_on_rim(places[rim], rim_of(master), master.node_count)
+    apart = np.linalg.norm(places[rim] - others, axis=1)
     inside: Integers = np.setdiff1d(nodes, rim).astype(np.int64)
     integrals = integrate(slave, master, slave.normals, False)
-    across = np.abs(np.einsum("nd,nd->n", places[rim] - at_rim @ others, slave.normals[rim]))
+    across = np.abs(np.einsum("nd,nd->n", places[rim] - others, slave.normals[rim]))
     off = max(_gap(slave, master, inside, places), _beyond(float(across.max()), slave, master))
     if min(integrals.coverage.min(), _coverage(master, slave)) < _COVERED:
         off = np.inf

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from fenics_contact.common.arrays import Array, Integers
@@ -15,51 +17,101 @@ _EDGES = {
     "triangle": ((0, 1), (0, 2), (1, 2)),
     "quadrilateral": ((0, 1), (0, 2), (1, 3), (2, 3)),
 }
+# Of curved edges: samples, from the nearest of which Gauss and Newton's steps begin.
+_SAMPLES, _STEPS = 9, 20
 
 
-def rim_edges(mesh: FacetMesh) -> Integers:
-    """Displacement nodes along the edges of single facets, (edges, nodes of an edge).
+@dataclass(frozen=True, eq=False)
+class Rim:
+    """The edges of single facets, each from one end to the other; in 2D each is one node.
 
-    From one end to the other; in 2D each is one node.
+    Attributes:
+        nodes: Numbers of the displacement nodes, (edges, nodes of an edge).
+        geometry: Places of the geometry nodes, (edges, geometry nodes of an edge, dimension)
+            (length).
     """
-    corners, places = reference_nodes(mesh.shape, 1), reference_nodes(mesh.shape, mesh.degree)
-    found = []
+
+    nodes: Integers
+    geometry: Array
+
+
+def rim_of(mesh: FacetMesh) -> Rim:
+    """The rim of a surface."""
+    nodes, geometry = [], []
     for edge in _EDGES[mesh.shape]:
-        ends = corners[[edge[0], edge[-1]]]
-        way = np.linalg.norm(places - ends[0], axis=1)
-        detour = way + np.linalg.norm(places - ends[1], axis=1) - np.linalg.norm(ends[1] - ends[0])
-        along = np.flatnonzero(detour < 1e-9)
-        found.append(mesh.nodes[:, along[np.argsort(way[along])]])
-    every = np.concatenate(found).astype(np.int64)
-    keys = np.sort(every, axis=1)
-    _, first, counts = np.unique(keys, axis=0, return_index=True, return_counts=True)
-    found_once: Integers = every[first[counts == 1]]
-    return found_once
+        nodes.append(mesh.nodes[:, _along(mesh.shape, edge, mesh.degree)])
+        geometry.append(mesh.geometry[:, _along(mesh.shape, edge, mesh.order)])
+    every = np.concatenate(nodes).astype(np.int64)
+    _, first, counts = np.unique(
+        np.sort(every, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    found_once = first[counts == 1]
+    return Rim(every[found_once], np.concatenate(geometry)[found_once])
 
 
-def places_on_rim(points: Array, edges: Integers, nodes: Array) -> tuple[Array, Array]:
-    """Shares of the nodes of a rim in the nearest place of it to each point.
+def _along(shape: str, edge: tuple[int, ...], degree: int) -> Integers:
+    """Nodes of a facet along one of its edges, from end to end."""
+    corners, places = reference_nodes(shape, 1), reference_nodes(shape, degree)
+    ends = corners[[edge[0], edge[-1]]]
+    way = np.linalg.norm(places - ends[0], axis=1)
+    detour = way + np.linalg.norm(places - ends[1], axis=1) - np.linalg.norm(ends[1] - ends[0])
+    along = np.flatnonzero(detour < 1e-9)
+    return np.asarray(along[np.argsort(way[along])])
+
+
+def places_on_rim(points: Array, rim: Rim, node_count: int) -> tuple[Array, Array]:
+    """Shares of the nodes of a surface in the place of its rim that is nearest to each point.
+
+    Nodes between the ends of an edge need not divide it evenly, nor be on a straight line.
 
     Args:
         points: Anywhere, (points, dimension) (length).
-        edges: Of the rim, as ``rim_edges`` gives them.
-        nodes: Places of all nodes, (nodes, dimension) (length).
+        rim: Of the surface.
+        node_count: Of its displacement nodes.
 
     Returns:
-        Shares, (points, nodes), and how far it is, (points,) (length).
+        Shares, (points, nodes), and the places, (points, dimension) (length).
     """
-    begin, end = nodes[edges[:, 0]], nodes[edges[:, -1]]
-    way = end - begin
-    square = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)
-    along = np.einsum("ped,ed->pe", points[:, None] - begin, way) / square
-    along = np.clip(along, 0.0, 1.0)
-    near = begin + along[:, :, None] * way
-    nearest = np.linalg.norm(points[:, None] - near, axis=2).argmin(axis=1)
+    at = _nearest_parameters(points, rim.geometry)
+    near = _on_edges(at, rim.geometry)
     rows = np.arange(len(points))
-    values = _along_edge(along[rows, nearest], edges.shape[1])
-    shares = np.zeros((len(points), len(nodes)))
-    np.add.at(shares, (rows[:, None], edges[nearest]), values)
-    return shares, np.linalg.norm(points - shares @ nodes, axis=1)
+    nearest = np.linalg.norm(points[:, None] - near, axis=2).argmin(axis=1)
+    values = _along_edge(at[rows, nearest], rim.nodes.shape[1])
+    shares = np.zeros((len(points), node_count))
+    np.add.at(shares, (rows[:, None], rim.nodes[nearest]), values)
+    return shares, near[rows, nearest]
+
+
+def _nearest_parameters(points: Array, geometry: Array) -> Array:
+    """Where each edge is nearest to each point, from 0 to 1, (points, edges)."""
+    begin, way = geometry[:, 0], geometry[:, -1] - geometry[:, 0]
+    square = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)
+    at = np.einsum("ped,ed->pe", points[:, None] - begin, way) / square
+    if geometry.shape[1] <= 2:
+        return np.clip(at, 0.0, 1.0)
+    samples = np.linspace(0, 1, _SAMPLES)
+    sampled = np.einsum("sg,egd->esd", _along_edge(samples, geometry.shape[1]), geometry)
+    apart = np.linalg.norm(points[:, None, None] - sampled, axis=3)
+    at = samples[apart.argmin(axis=2)]
+    bend = 2 * (geometry[:, 0] - 2 * geometry[:, 1] + geometry[:, 2])
+    slope = -3 * geometry[:, 0] + 4 * geometry[:, 1] - geometry[:, 2]
+    for _ in range(_STEPS):
+        tangent = slope + 2 * at[:, :, None] * bend
+        left = points[:, None] - _on_edges(at, geometry)
+        square = np.maximum((tangent**2).sum(axis=2), np.finfo(float).tiny)
+        at = np.clip(at + (tangent * left).sum(axis=2) / square, 0.0, 1.0)
+    return at
+
+
+def _on_edges(at: Array, geometry: Array) -> Array:
+    """Places on edges, (points, edges, dimension) (length).
+
+    Args:
+        at: Where, from 0 to 1, (points, edges).
+        geometry: As of ``Rim``.
+    """
+    values = _along_edge(at.ravel(), geometry.shape[1]).reshape(*at.shape, -1)
+    return np.asarray(np.einsum("peg,egd->ped", values, geometry))
 
 
 def _along_edge(at: Array, count: int) -> Array:
