@@ -39,7 +39,7 @@ from fenics_contact.verification.thermal.heat import bars as conducting_bars
 from tests.contact.shuffled import Shuffled
 from tests.preload.joints import joint
 from tests.preload.test_joint import scene as bolted_joint
-from tests.problem.sectors import sector
+from tests.problem.sectors import fitted, hub_on_shaft, sector
 from tests.problem.test_couplings import block as divided
 from tests.problem.test_couplings import punch
 from tests.report.page.pages import page_of
@@ -149,6 +149,21 @@ def ringed():
     return sector()
 
 
+def rimmed(**given):
+    """The same sector, whose hub is twisted by a rigid rim."""
+    rim = Coupling("hub.y1", at=(0, 0), name="rim", **given)
+    scene = dataclasses.replace(fitted(False), load=(), coupling=(rim,))
+    return Run(scene, COMM, hub_on_shaft(1))
+
+
+def twisted():
+    return rimmed(moment=2.0)
+
+
+def turned():
+    return rimmed(rotation={"z": 1e-3})
+
+
 def heated():
     """Two bars that press on each other as they are warm, and conduct by that."""
     scene, body = conducting_bars((120, 20), 0.05)
@@ -200,7 +215,10 @@ def stacked():
     return held_by_contacts(friction_coefficient=0.5)
 
 
-RIGHT = (strip, indented, rubbed, loose, driven, glued, stacked, dragged, punched, ringed)
+RIGHT = (
+    *(strip, indented, rubbed, loose, driven, glued, stacked, dragged),
+    *(punched, ringed, twisted, turned),
+)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -419,6 +437,13 @@ BROKEN = {
     ("pressure_recovery", ""): (indented, half_of_the_points),
     ("energy_balance", ""): (dragged, work_lost),
 }
+# Couplings in a sector are compared with what is given there, and the cut beside them with itself.
+IN_SECTORS = {
+    ("coupling", "force"): (twisted, stretched),
+    ("coupling", "motion"): (turned, let_go),
+    ("cyclic_symmetry", "motion"): (twisted, moved_apart),
+    ("cyclic_symmetry", "forces"): (turned, pulled_at_the_cut),
+}
 
 
 def test_every_check_and_kind_has_words_and_a_wrong_solution():
@@ -435,9 +460,13 @@ def test_the_right_solution_passes(make):
     assert not failing(checks_of(solved(make)))
 
 
-@pytest.mark.parametrize(("name", "kind"), BROKEN)
-def test_a_wrong_solution_fails(name, kind, monkeypatch):
-    make, broken = BROKEN[name, kind]
+@pytest.mark.parametrize(
+    ("name", "kind", "made"),
+    [(*key, made) for made in (BROKEN, IN_SECTORS) for key in made],
+    ids=lambda one: "in sectors" * (one is IN_SECTORS) if isinstance(one, dict) else one,
+)
+def test_a_wrong_solution_fails(name, kind, made, monkeypatch):
+    make, broken = made[name, kind]
     prepared = solved(make)
     wrong = broken(prepared, monkeypatch)
     check = failing(checks_of(prepared, wrong))[name]
