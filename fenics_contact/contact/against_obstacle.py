@@ -44,7 +44,7 @@ class ObstacleKinematics(ContactKinematics):
         super().__init__(trace)
         self._left_out = np.zeros(len(trace.weights), dtype=bool)
         self._has_shape = obstacle is not None and bool(obstacle.shape or obstacle.file)
-        self._measured = self.gap
+        self._measured, self._size = self.gap, 0.0
         self._counts: Integers | None = None
         if obstacle is not None:
             self._place(obstacle, key)

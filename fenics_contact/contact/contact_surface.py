@@ -30,7 +30,11 @@ from fenics_contact.contact.surface.trace import SurfaceSupports
 from fenics_contact.results.contact_points import of_one_contact
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.obstacle import Obstacle
+from fenics_contact.scene.values import differing
 
+# Keys of a contact, and of its obstacle, of which nothing is made but laws and paths.
+_VALUES = {"friction_coefficient", "pressure", "interference", "obstacle"}
+_DRIVES = {"indentation", "displacement", "force"}
 # Of the lengths that a gap is a difference of.
 _ROUND_OFF = 1e-12
 
@@ -82,22 +86,59 @@ class ContactSurface:
         constrained: Integers,
         elastic: ElasticBody,
     ) -> None:
-        self.contact = contact
+        self._key = key
         self.label = contact.label
         self.sides, self.trace, self.spaces = sides, sides.trace, sides.trace.spaces
         self.nodes = self.trace.nodes
         self.owned_nodes = self.trace.owned[: len(self.nodes)]
         named = law_of(contact)
+        self.contact = contact
         self.kinematics = self._kinematics(key, named)
         self.axis = self.sides.axis(self.kinematics.axis)
         self.follow_supports(constrained)
         self.scales = ContactScales(self.sides, elastic)
         self.moduli, self.facet_size = self.scales.moduli, self.scales.facet_size
+        self.force = None if contact.obstacle is None else contact.obstacle.force
+        if named.pushes_only:
+            self._move_to_first_contact(key)
+        self._take_values(contact)
+
+    def serves(self, contact: Contact) -> bool:
+        """Whether nothing is made anew for another contact of the scene, as values alone differ.
+
+        Args:
+            contact: The other one.
+        """
+        known, obstacle, other = self.contact, self.contact.obstacle, contact.obstacle
+        others = differing(known, contact)
+        if "obstacle" in others:
+            if obstacle is None or other is None or differing(obstacle, other) - _DRIVES:
+                return False
+            if (obstacle.force is None) != (other.force is None):
+                return False
+        alone = self.forces.by_points and self.friction.neighbours is None
+        is_same = alone and not others - _VALUES and known.is_rough == contact.is_rough
+        return is_same and self.kinematics.paired_at is None
+
+    def begin_again(self, contact: Contact) -> None:
+        """Be another contact of the scene that this one serves, before anything acts; collective.
+
+        Args:
+            contact: The other one.
+        """
+        by_points = self.forces.by_points
+        self.kinematics.begin_again()
+        self._take_values(contact)
+        if by_points:
+            self.forces.go_by_points()
+
+    def _take_values(self, contact: Contact) -> None:
+        """Take the laws of a contact, and what drives it; collective."""
+        self.contact, key = contact, self._key
+        named = law_of(contact)
         self.paths = ContactPaths(contact, key, named.sticks)
         self.force = None if contact.obstacle is None else contact.obstacle.force
         self.moment = None if contact.obstacle is None else contact.obstacle.moment
-        if named.pushes_only:
-            self._move_to_first_contact(key)
         site = LawSite(contact, key, self.kinematics, self.scales, self.paths)
         self._penalty_parameter = named.penalty_parameter(site)
         self.parameters = named.parameters(contact)

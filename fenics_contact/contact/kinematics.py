@@ -248,6 +248,16 @@ class ContactKinematics(ABC):
         """How squarely the obstacle is driven onto each point, −m·n."""
         return np.asarray(-self.trace.normals @ self.direction)
 
+    def begin_again(self) -> None:
+        """Stand as at first, before anything moved; bodies are paired as they were then."""
+        self.drive(0.0)
+        self.turn_back(0.0, 0.0)
+        if self.displacement.any():
+            self.displace(np.zeros_like(self.displacement))
+        self.overlap_by(0.0, np.zeros_like(self.worn))
+        self.stand()
+        self.move(self.motion_at_nodes)
+
     def turn(self, angle: float) -> None:
         """Turn the obstacle, but not the gap to its shape; the jump follows with ``move``.
 

@@ -38,6 +38,10 @@ from fenics_contact.problem.support_moments import SupportMoments
 from fenics_contact.problem.terms import SharedReactions, Term, terms_of
 from fenics_contact.results.contact_points import of_several_contacts
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import differing
+
+# Keys of a scene of which a problem that is there already takes the values.
+_VALUES = {"title", "contact", "load"}
 
 
 class Problem:
@@ -107,8 +111,7 @@ class Problem:
                     zip(scene.contact, discrete.sides, strict=True)
                 )
             ]
-            for contact in self.contacts if scene.is_exact else ():
-                contact.find_forces(*contact.contact.exact_parameters)
+            self._find_exact_forces()
             self.inertia: Inertia = AtRest(self.contacts, self.spaces)
             for contact in self.contacts if by_points else ():
                 contact.forces.go_by_points()
@@ -127,22 +130,14 @@ class Problem:
                 self.conduction = Conduction(scene, self.spaces, self.contacts, discrete.cut)
                 discrete.serve_many()  # a load step is solved for one temperature after the other
             self.load_site = LoadSite(discrete, scene.material)
-            self.loads = given_loads(scene.load, self.load_site)
-            for one in self.body_scalars:
-                one.take_loads([(load.acting.acceleration_at, load.path) for load in self.loads])
+            self._find_loads()
             self.feet = SpringFeet(self.elastic, scene, self.spaces)
             self.feet.require_agreement(self.supports, scene, self.spaces)
             if not by_points:
                 for term in self.terms:
                     term.compiled()
         with timings.phase("assemble"):
-            units = discrete.found.setdefault("loads", {}) if by_points else None
-            self._loads = [
-                (one.nodal() if units is None else one.nodal_of_units(units), load.path)
-                for load in self.loads
-                for one in (load.acting,)
-            ]
-            self._pressures = self._assemble_pressures()
+            self._assemble_loads(by_points)
             self.inertia = self._place_masses()
             self.set_time(scene.load_steps.all_times[-1])
         if discrete.cut is not None:
@@ -156,6 +151,62 @@ class Problem:
             discrete = DiscreteBody(BodyDescription.of(scene), body)
         # Of a motion there are many steps, each of little work: forms would cost more than that.
         return cls(scene, discrete, timings, by_points=scene.motion is not None)
+
+    def begin_again(self, scene: Scene) -> bool:
+        """Be the problem of another scene that differs in values, before anything acts; collective.
+
+        Nothing is made anew but loads and the laws of contacts.
+
+        Args:
+            scene: Of the same body.
+
+        Returns:
+            Whether it is; False where more differs, so that a problem has to be made.
+
+        Raises:
+            InputError: The scene cannot have such a value; this one is no problem any more then.
+        """
+        serves = not (self.stabilisation or self.conduction) and not self.inertia.moves
+        if not serves or differing(self.scene, scene) - _VALUES:
+            return False
+        pairs = list(zip(self.contacts, scene.contact, strict=False))
+        if len(pairs) < len(scene.contact) or not all(one.serves(other) for one, other in pairs):
+            return False
+        loads_differ = self.scene.load != scene.load
+        self.scene = scene
+        for contact, other in pairs:
+            contact.begin_again(other)
+        self._find_exact_forces()
+        for scalar in self.body_scalars:
+            scalar.keep(None)
+        self.reach(np.zeros(len(self.unknowns)))
+        if loads_differ:
+            self._find_loads()
+        self._assemble_loads(by_points=True)
+        self.set_time(scene.load_steps.all_times[-1])
+        return True
+
+    def _find_exact_forces(self) -> None:
+        """Have contacts of exact scenes exert nothing until their forces are found."""
+        for contact in self.contacts if self.scene.is_exact else ():
+            contact.find_forces(*contact.contact.exact_parameters)
+
+    def _find_loads(self) -> None:
+        """The loads of the scene; collective."""
+        self.loads = given_loads(self.scene.load, self.load_site)
+        for one in self.body_scalars:
+            one.take_loads([(load.acting.acceleration_at, load.path) for load in self.loads])
+
+    def _assemble_loads(self, by_points: bool) -> None:
+        """Nodal forces of loads and of given pressures, with their paths; collective."""
+        units = self.discrete.found.setdefault("loads", {}) if by_points else None
+        self._loads = [
+            (one.nodal() if units is None else one.nodal_of_units(units), load.path)
+            for load in self.loads
+            for one in (load.acting,)
+        ]
+        self._pressures = self._assemble_pressures()
+        self._shares = None
 
     @cached_property
     def shared_reactions(self) -> SharedReactions:

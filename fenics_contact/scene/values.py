@@ -300,6 +300,17 @@ RAMP = Path(time=(0.0, 1.0), factor=(0.0, 1.0))
 CONSTANT = Path(time=(0.0,), factor=(1.0,))
 
 
+def differing(one: Any, other: Any) -> set[str]:
+    """Names of the keys in which two tables of one class differ.
+
+    Args:
+        one: A table of a scene, or a scene.
+        other: The other one.
+    """
+    values = ((name, value, getattr(other, name)) for name, value in vars(one).items())
+    return {name for name, value, against in values if not (value is against or value == against)}
+
+
 # What has no parts: most of a scene, which is looked through whenever it is changed.
 PLAIN: frozenset[type] = frozenset((str, int, float, bool, type(None)))
 

@@ -25,11 +25,12 @@ from fenics_contact.problem.moving import moving
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
 from fenics_contact.simulation.studies.saved_body import SavedBody
+from fenics_contact.solve.at_points.exact_step import ExactSolver
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
 from fenics_contact.solve.condensed.part_factors import KnownFactors
 from fenics_contact.solve.free_modes import free_modes
-from fenics_contact.solve.load_steps.load_stepper import stepping_on
+from fenics_contact.solve.load_steps.load_stepper import load_steps_on, stepping_on
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.solve.modal_bulk import ModalBulk
 
@@ -82,6 +83,8 @@ class KeptBody:
         self._modes_ahead = 0
         self.condensed: CondensedBody | None = None
         self._saved: SavedBody | None = None
+        self._system: CondensedSystem | None = None
+        self._exact: ExactSolver | None = None
 
     def take_saved(self, saved: SavedBody) -> None:
         """Have what a file has of the condensed body, for the first problem that it suits."""
@@ -102,6 +105,7 @@ class KeptBody:
             description: Of this body but for these fields.
         """
         self.discrete.take_temperatures(description)
+        self._forget_system()
         if self.condensed is not None:
             self.condensed.renew_scalars()
 
@@ -189,14 +193,72 @@ class KeptBody:
             InputError: The scene cannot be used, has no equilibrium, or asks for load steps to be
                 taken in another way.
         """
+        system = self._new_system(scene, timings)
+        with stepping_on(system, timings, finds_body=False) as load_steps:
+            yield load_steps, system
+
+    @contextmanager
+    def stepping_again(
+        self, scene: Scene, timings: Timings
+    ) -> Iterator[tuple[LoadSteps, CondensedSystem]]:
+        """As ``stepping``, for one scene after the other; collective.
+
+        Problem and system are kept, and take the values of the next scene, if nothing else differs
+        and nobody used the body meanwhile.
+
+        Args:
+            scene: Whose body it is.
+            timings: Seconds so far.
+
+        Raises:
+            InputError: As of ``stepping``.
+        """
+        try:
+            system = self._system = self._system_of(scene, timings)
+            load_steps = load_steps_on(system, timings, finds_body=False)
+            newton = load_steps.newton
+            if newton.exact is not None and self._exact is not None:
+                newton.exact = self._exact
+            self._exact = newton.exact
+            yield load_steps, system
+        except BaseException:  # what state it is in nobody knows
+            self._forget_system()
+            raise
+
+    def _system_of(self, scene: Scene, timings: Timings) -> CondensedSystem:
+        """The last one, if it serves a scene, else another one; collective."""
+        known = self._system
+        if known is not None and self._begins_again(known, scene):
+            return known
+        self._forget_system()
+        return self._new_system(scene, timings)
+
+    def _begins_again(self, system: CondensedSystem, scene: Scene) -> bool:
+        """Whether a system has the problem of another scene now; collective."""
+        problem = system.problem
+        if problem is not self._problem or system.body is not self.condensed:
+            return False
+        if not problem.begin_again(scene):
+            return False
+        require_equilibrium(problem)
+        system.begin_again()
+        if self._exact is not None:
+            self._exact.begin_again()
+        return not problem.stabilisation
+
+    def _forget_system(self) -> None:
+        if self._system is not None:
+            self._system.destroy()
+        self._system = self._exact = None
+
+    def _new_system(self, scene: Scene, timings: Timings) -> CondensedSystem:
+        """The problem of a scene, condensed; collective."""
         own = registry.takes_steps_of(scene)
         if own is not None:
             raise InputError(own.part("table").ONE_BY_ONE)
         problem = Problem(scene, self.discrete, timings, by_points=True)
         require_equilibrium(problem)
-        system = CondensedSystem(problem, timings, self.in_statics(problem, timings))
-        with stepping_on(system, timings, finds_body=False) as load_steps:
-            yield load_steps, system
+        return CondensedSystem(problem, timings, self.in_statics(problem, timings))
 
     def make_rows(self) -> None:
         """Make those that quick answers of the last problem ask for; collective."""
@@ -210,6 +272,7 @@ class KeptBody:
 
     def close(self) -> None:
         """Free the factorisation; the next answer makes another one."""
+        self._forget_system()
         if self.condensed is not None:
             self._earlier = self.factorisations
             self.condensed.destroy()

@@ -121,7 +121,7 @@ class QuickAnswers:
             MachineError: The machine failed.
         """
         timings = Timings()
-        with self._kept.stepping(scene, timings) as (load_steps, system):
+        with self._kept.stepping_again(scene, timings) as (load_steps, system):
             history = StepHistory(system.problem, timings, partial(CondensedForces.of, system))
             history.begin([])
             taken = _QuickSteps(load_steps, history, watch)

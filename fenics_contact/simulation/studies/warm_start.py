@@ -9,10 +9,7 @@ unless it is asked to follow.
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +19,7 @@ from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.noise import carries_more_than
 from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.scene import Scene
+from fenics_contact.scene.values import differing
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 from fenics_contact.solve.coulomb.monolithic import fit_scale, is_out_of_scale
 from fenics_contact.solve.coulomb.without_friction import (
@@ -34,7 +32,7 @@ from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.trust.uniqueness import uniqueness_limit
 
 # Keys that have no part in the pressures without friction, and those that are looked at further.
-_OF_SCENE, _OF_COULOMB = ("title", "contact"), ("friction_coefficient",)
+_OF_SCENE, _OF_COULOMB = {"title", "contact"}, {"friction_coefficient"}
 
 # Imbalance over the forces where pressures are wanted for ε alone, which knows them as well: an ε
 # that is off by a hundredth changes forces by some 1e-9.
@@ -139,11 +137,11 @@ class WithoutFriction:
     def is_of(self, problem: Problem) -> bool:
         """Whether a problem differs from that in coefficients of such contacts at the most."""
         coulomb = [n for n, contact in enumerate(problem.contacts) if contact.is_coulomb]
-        if coulomb != list(self.pressures) or not _alike(self.scene, problem.scene, _OF_SCENE):
+        if coulomb != list(self.pressures) or differing(self.scene, problem.scene) - _OF_SCENE:
             return False
         contacts = zip(self.scene.contact, problem.scene.contact, strict=True)
-        return all(
-            _alike(*pair, _OF_COULOMB if number in self.pressures else ())
+        return not any(
+            differing(*pair) - (_OF_COULOMB if number in self.pressures else set())
             for number, pair in enumerate(contacts)
         )
 
@@ -153,13 +151,6 @@ class WithoutFriction:
             contact = problem.contacts[number]
             if pressure is not None and contact.friction.regularisation.follows_pressure:
                 set_needed(contact, pressure)
-
-
-def _alike(one: Any, other: Any, besides: Sequence[str]) -> bool:
-    """Whether two scenes, or two contacts, are equal but for some keys."""
-    names = [field.name for field in dataclasses.fields(one)]
-    pairs = [(getattr(one, name), getattr(other, name)) for name in names if name not in besides]
-    return all(left is right or left == right for left, right in pairs)
 
 
 @dataclass(frozen=True, eq=False)

@@ -111,6 +111,10 @@ class ExactSolver:
         """Forces of the last answer, with feet, (rows + feet,); None before there is one."""
         return self._last
 
+    def begin_again(self) -> None:
+        """Forget the last answer; how forces move the points is kept."""
+        self._last, self.at_edges = None, 0
+
     def solve(
         self,
         start: Array | None = None,

@@ -165,11 +165,28 @@ def stepping_on(
         stopped: As of ``Newton``.
         finds_body: As of ``LoadSteps``.
     """
-    kind = MotionSteps if system.problem.inertia.moves else LoadSteps
     try:
-        yield kind(Newton(system.problem, system, timings, stopped), finds_body)
+        yield load_steps_on(system, timings, stopped, finds_body)
     finally:
         system.destroy()
+
+
+def load_steps_on(
+    system: System,
+    timings: Timings,
+    stopped: Callable[[], bool] | None = None,
+    finds_body: bool = True,
+) -> LoadSteps:
+    """The load steps of a system's problem, none of them taken.
+
+    Args:
+        system: Made for the problem, or at its begin again.
+        timings: Seconds so far.
+        stopped: As of ``Newton``.
+        finds_body: As of ``LoadSteps``.
+    """
+    kind = MotionSteps if system.problem.inertia.moves else LoadSteps
+    return kind(Newton(system.problem, system, timings, stopped), finds_body)
 
 
 def solve(

@@ -74,6 +74,10 @@ class System(ABC):
         self._load_norm: tuple[Array, float] | None = None
         self.scalar_forces = np.zeros(len(problem.body_scalars))
 
+    def begin_again(self) -> None:
+        """Forget all forces so far, as its problem is that of another scene now."""
+        self.earlier_forces = self._contact_norm = 0.0
+
     def begin(self, displacement: Array) -> None:
         """Start a solve from nodal displacements (nodes, components); collective."""
         self.begin_at(self.position_of(displacement))
