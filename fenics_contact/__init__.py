@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from fenics_contact.mesh.tagged_mesh import Body, Group
     from fenics_contact.results.contact_points import ContactPoints
     from fenics_contact.results.result import Check, Result
-    from fenics_contact.scene.body import Material
+    from fenics_contact.scene.body import Material, ModulusTable
     from fenics_contact.scene.contact import Contact, Wear
     from fenics_contact.scene.laws.friction_laws import (
         ComplianceFriction,
@@ -117,6 +117,7 @@ __all__ = [
     "MeshSource",
     "MicroSlipFriction",
     "Modes",
+    "ModulusTable",
     "Motion",
     "MotionModes",
     "NoEquilibriumError",
@@ -216,7 +217,7 @@ _MODULES = {
     ),
     "scene.laws.law_tables": ("NormalCompliance", "OwnNormalLaw", "PressureFormula"),
     "scene.reading": ("load_scene",),
-    "scene.body": ("Material", "MeshSource"),
+    "scene.body": ("Material", "MeshSource", "ModulusTable"),
     "scene.units.table": ("Units",),
     "scene.values": ("Path", "Profile"),
     "simulation.fits.curves": ("Objective",),

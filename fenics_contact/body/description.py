@@ -166,6 +166,8 @@ class BodyDescription:
         joints: Springs between these, likewise.
         heated: Cells that have a temperature, by temperature and material.
         cyclic_symmetry: The cut faces of a sector, or None.
+        temperatures: Those that moduli follow at first, once their paths are 1, with their factors;
+            none where no modulus follows any.
     """
 
     kinematics: Kinematics
@@ -183,6 +185,7 @@ class BodyDescription:
     joints: tuple[Joint, ...] = ()
     heated: tuple[HeatedGroup, ...] = ()
     cyclic_symmetry: CyclicSymmetry | None = None
+    temperatures: tuple[tuple[Temperature, float], ...] = ()
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
@@ -227,6 +230,7 @@ class BodyDescription:
                 *_heated_by_conduction(scene),
             ),
             cyclic_symmetry=scene.cyclic_symmetry,
+            temperatures=temperatures_at(scene, scene.load_steps.all_times[-1]),
         )
 
     def differences(self, other: BodyDescription) -> Sequence[str]:
@@ -248,13 +252,27 @@ class BodyDescription:
 
 def _elastic(material: Material) -> Material:
     """A material without what is no part of a stiffness."""
+    reference = material.reference_temperature if material.follows_temperature else 0.0
     return dataclasses.replace(
         material,
         density=None,
         thermal_expansion=None,
-        reference_temperature=0.0,
+        reference_temperature=reference,
         conductivity=None,
     )
+
+
+def temperatures_at(scene: Scene, time: float) -> tuple[tuple[Temperature, float], ...]:
+    """Return given temperatures that moduli follow, once their paths are 1, and their factors.
+
+    Args:
+        scene: The scene.
+        time: Pseudo-time.
+    """
+    if not scene.moduli_follow_temperature:
+        return ()
+    at = scene.path_time(time)
+    return tuple((dataclasses.replace(one, path=RAMP), one.path(at)) for one in scene.temperature)
 
 
 def _heated(scene: Scene, table: int, number: int) -> HeatedGroup:

@@ -52,6 +52,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
+from fenics_contact.scene.loading.temperatures import Temperature
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +105,7 @@ class ElasticBody:
     ) -> None:
         self._spaces = spaces
         self.displacement = displacement
-        elasticities = Elasticities(description, spaces)
+        self._elasticities = elasticities = Elasticities(description, spaces)
         self.law = elasticities.law
         self.reference_modulus = elasticities.reference_modulus
         self._moduli = elasticities.moduli
@@ -217,6 +218,28 @@ class ElasticBody:
                 part.follow(rise)
         self._renew_heated()
 
+    @property
+    def follows_temperature(self) -> bool:
+        """Whether a modulus is a table of temperature."""
+        return self._elasticities.temperatures is not None
+
+    def take_moduli(self, rise: Array | None, given: Sequence[tuple[Temperature, float]]) -> bool:
+        """Take moduli at temperatures that are found or given; whether they change; collective.
+
+        Args:
+            rise: Where they are found, less the reference, at the nodes of this rank, (nodes,)
+                (temperature).
+            given: Else those of the scene, once their paths are 1, and their present factors.
+        """
+        temperatures = self._elasticities.temperatures
+        if temperatures is None:
+            return False
+        at = temperatures.given(given) if rise is None else temperatures.found(rise)
+        if not self._elasticities.follow(at):
+            return False
+        self._renew_parts(0)
+        return True
+
     def take_fields(self, heated: Sequence[HeatedGroup]) -> None:
         """Take temperatures that vary in other ways in space; collective.
 
@@ -233,8 +256,11 @@ class ElasticBody:
 
     def _renew_heated(self) -> None:
         """Find what parts with other temperatures do to the body; collective."""
-        first = len(self.preloaded)
-        for number in range(first, first + len(self.heated)):
+        self._renew_parts(len(self.preloaded))
+
+    def _renew_parts(self, first: int) -> None:
+        """Find what parts do to the body from this one on, preloaded ones first; collective."""
+        for number in range(first, len(self._parts)):
             forces = self._forms_of_parts[number].assembled()
             self.scalar_forces[number] = forces
             self.scalar_stiffness[number, number] = forces.stiffness
@@ -259,7 +285,12 @@ class ElasticBody:
     def forces_of_heated(self) -> list[ScalarForces]:
         """Forces on the body by a unit of the thermal expansion of each heated part."""
         first = len(self.preloaded)
-        return self.scalar_forces[first : first + len(self.heated)]
+        return self.forces_of_parts[first:]
+
+    @property
+    def forces_of_parts(self) -> list[ScalarForces]:
+        """Forces on the body by a unit of the scalar of each preloaded, then heated part."""
+        return self.scalar_forces[: len(self._parts)]
 
     @property
     def has_free_strains(self) -> bool:

@@ -17,12 +17,19 @@ from dolfinx import fem
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elasticity import Anisotropic, Isotropic, Law
 from fenics_contact.body.spaces import Spaces
+from fenics_contact.body.thermal.point_temperatures import PointTemperatures
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.arrays import AnyIntegers, Array, Integers
 from fenics_contact.common.errors import InputError
-from fenics_contact.common.parallel import largest, of_every_rank, raise_together, smallest
+from fenics_contact.common.parallel import (
+    largest,
+    of_every_rank,
+    raise_together,
+    smallest,
+    total,
+)
 from fenics_contact.mesh.tagged_mesh import Group
-from fenics_contact.scene.body import Material
+from fenics_contact.scene.body import Material, ModulusTable
 from fenics_contact.scene.values import Value
 
 
@@ -140,8 +147,18 @@ class MaterialPoints:
         mine = set(np.unique(self.owner[points]).tolist())
         return sorted(set().union(*of_every_rank(self._spaces.comm, mine)))
 
-    def evaluate(self, name: str, values: Sequence[Value]) -> Array:
+    def evaluate(
+        self,
+        name: str,
+        values: Sequence[Value | ModulusTable],
+        temperature: Array | None = None,
+    ) -> Array:
         """One coefficient at all points: value i where material i is; collective.
+
+        Args:
+            name: Of the coefficient.
+            values: Of the materials.
+            temperature: At all points, of values that follow it (temperature).
 
         Raises:
             InputError: A function fails, or gives what is not finite.
@@ -149,15 +166,24 @@ class MaterialPoints:
         found = np.zeros(len(self.owner))
         for number, value in enumerate(values):
             mine = self.owner == number
+            if isinstance(value, ModulusTable):
+                assert temperature is not None
+                found[mine] = value.at(temperature[mine])
+                continue
             key = f"{self._keys[number]}.{name}"
             found[mine] = self._spaces.evaluate_at(value, self._points[:, mine], key)
         return found
 
-    def coefficient(self, values: Array) -> fem.Constant | fem.Function:
-        """A constant where the values are all the same, else a function; collective."""
+    def coefficient(self, values: Array, is_kept: bool = True) -> fem.Constant | fem.Function:
+        """A constant where the values are all the same, else a function; collective.
+
+        Args:
+            values: At all points.
+            is_kept: Whether these are the only ones that it will have.
+        """
         comm = self._spaces.comm
         least = smallest(comm, values)
-        if least == largest(comm, values):
+        if is_kept and least == largest(comm, values):
             return fem.Constant(self._spaces.body.mesh, least)
         function = fem.Function(self.space)
         function.x.array[:] = values
@@ -173,15 +199,23 @@ class Elasticities:
 
     Attributes:
         law: Isotropic or anisotropic Hooke's law with UFL coefficients.
-        moduli: Of each connected part.
+        moduli: Of each connected part, at the first temperatures.
+        temperatures: At the points, where moduli follow them; else None.
         largest_poissons_ratio: Of isotropic materials; −1 for a tensor.
     """
 
     def __init__(self, description: BodyDescription, spaces: Spaces) -> None:
         self.spaces = spaces
         self.materials = description.material
+        self._follows = any(material.follows_temperature for material in self.materials)
         varies = any(callable(value) for m in self.materials for value in _values(m))
-        self._at = MaterialPoints(self.materials, spaces, varies)
+        self._at = MaterialPoints(self.materials, spaces, varies or self._follows)
+        self.temperatures: PointTemperatures | None = None
+        self._temperature: Array | None = None
+        if self._follows:
+            known = self._at.space, self._at.owner, self.materials, spaces
+            self.temperatures = PointTemperatures(*known)
+            self._temperature = self.temperatures.given(description.temperatures)
         if all(material.stiffness is None for material in description.material):
             self.law: Law = self._isotropic()
         else:
@@ -216,8 +250,7 @@ class Elasticities:
 
     def _isotropic(self) -> Isotropic:
         comm = self.spaces.comm
-        young = self._at.evaluate("youngs_modulus", [m.youngs_modulus for m in self.materials])  # type: ignore[misc]
-        poisson = self._at.evaluate("poissons_ratio", [m.poissons_ratio for m in self.materials])  # type: ignore[misc]
+        young, poisson = self._moduli_at_points()
         least = smallest(comm, self._where_used(young))
         if least <= 0:
             raise InputError(
@@ -231,9 +264,40 @@ class Elasticities:
                 f"material.poissons_ratio: it reaches from {least:g} to {most:g}, but must lie "
                 f"between -1 and 0.5{_STEEP}"
             )
-        self.largest_poissons_ratio = largest(comm, poisson)
+        tables = [m.poissons_ratio for m in self.materials]
+        highest = [max(one.values) for one in tables if isinstance(one, ModulusTable)]
+        self.largest_poissons_ratio = max([largest(comm, poisson), *highest])
         self._stiffnesses, self._ratios = young, poisson
-        return Isotropic(self._at.coefficient(young), self._at.coefficient(poisson))
+        return Isotropic(
+            self._at.coefficient(young, not self._follows),
+            self._at.coefficient(poisson, not self._follows),
+        )
+
+    def _moduli_at_points(self) -> tuple[Array, Array]:
+        """Young's modulus and Poisson's ratio at the points, at present temperatures."""
+        young = [material.youngs_modulus for material in self.materials]
+        poisson = [material.poissons_ratio for material in self.materials]
+        return (
+            self._at.evaluate("youngs_modulus", young, self._temperature),  # type: ignore[arg-type]
+            self._at.evaluate("poissons_ratio", poisson, self._temperature),  # type: ignore[arg-type]
+        )
+
+    def follow(self, temperature: Array) -> bool:
+        """Take the moduli at other temperatures; whether they have changed; collective.
+
+        Args:
+            temperature: At the points (temperature).
+        """
+        self._temperature, law = temperature, self.law
+        assert isinstance(law, Isotropic)
+        has_changed = False
+        for function, values in zip(
+            (law.youngs_modulus, law.poissons_ratio), self._moduli_at_points(), strict=True
+        ):
+            assert isinstance(function, fem.Function)
+            has_changed |= not np.array_equal(function.x.array, values)
+            function.x.array[:] = values
+        return bool(total(self.spaces.comm, int(has_changed)) > 0)
 
     def _anisotropic(self, plane: bool) -> Anisotropic:
         matrices = np.zeros((len(self._at.owner), 6, 6))
@@ -302,7 +366,7 @@ def _eigenvalues(matrices: Array) -> Array:
     return np.linalg.eigvalsh(matrices * double[:, None] * double)
 
 
-def _values(material: Material) -> list[Value | None]:
+def _values(material: Material) -> list[Value | ModulusTable | None]:
     """All the values that a material is given by."""
     if material.stiffness is not None:
         return [value for row in material.stiffness for value in row]

@@ -73,13 +73,15 @@ class CondensedForces(InternalForces):
     def of(cls, system: CondensedSystem, solution: Solution) -> InternalForces:
         """Forces of a solution, in the state of the system that has found it; collective.
 
-        Springs of supports are stretched by displacements that are found inside; faces that are
-        coupled move by scalars, and the cut faces of a sector pull at each other, of which its rows
-        do not know. At points that are held forces are asked for dof by dof.
+        Springs of supports are stretched by displacements that are found inside, and temperatures
+        that change between load steps do work on these; faces that are coupled move by scalars, and
+        the cut faces of a sector pull at each other, of which its rows do not know. At points that
+        are held forces are asked for dof by dof.
         """
         problem = system.problem
         is_coupled = problem.couplings.size > 0 or problem.discrete.cut is not None
-        if problem.feet or is_coupled or problem.at_places:
+        does_work = problem.follows_temperature and problem.scene.load_steps.several
+        if problem.feet or is_coupled or problem.at_places or does_work:
             return BulkForces(system.problem, solution)
         scalars = system.scalar_values(system.state)
         moved = system.contact_displacements()

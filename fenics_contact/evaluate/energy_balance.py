@@ -195,6 +195,8 @@ class EnergyBalance:
         By the trapezoidal rule, with what a unit of a scalar does to the body before and after:
         its forces c and stiffness D, ½ q (c' − c) · (u + u') + ½ q² (D' − D).
         """
+        if self._problem.elastic.follows_temperature:
+            return [self._energy_of_moduli(forces)]
         before, last = self._place_before(self._before), self._on_scalars
         now = [one.forces_on_body for one in self._problem.body_scalars]
         self._on_scalars = now
@@ -207,6 +209,35 @@ class EnergyBalance:
             stored = state.value * (new.stiffness - old.stiffness)
             works.append(0.5 * state.value * (done + stored))
         return works
+
+    def _energy_of_moduli(self, forces: InternalForces) -> float:
+        """What other moduli and other temperatures alone change of the energy; collective.
+
+        Of displacements and scalars y with the forces F = K y, ½ (F' · y − F · y'), beside which
+        the trapezoidal rule's works are the change of ½ y · F, though K changes.
+        """
+        before = self._before
+        if before is None:
+            values = [
+                state.force * one.at_begin
+                for state, one in zip(
+                    forces.solution.scalars, self._problem.body_scalars, strict=True
+                )
+            ]
+            return 0.5 * float(sum(values))
+        one, other = (
+            self._work(two[0].solution, two[1].solution)
+            for two in ((forces, before), (before, forces))
+        )
+        return 0.5 * (one - other)
+
+    def _work(self, acting: Solution, moved: Solution) -> float:
+        """Work of the body's forces in a solution on another one's displacements; collective."""
+        own = slice(self._problem.spaces.owned_nodes)
+        nodal = np.sum(acting.internal_force[own] * moved.displacement[own])
+        pairs = zip(acting.scalars, moved.scalars, strict=True)
+        by_scalars = sum(one.force * other.value for one, other in pairs if one.works)
+        return float(total(self._problem.comm, float(nodal))) + by_scalars
 
     @property
     def sums(self) -> list[float]:

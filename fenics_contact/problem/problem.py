@@ -12,7 +12,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from fenics_contact.body.description import BodyDescription
+from fenics_contact.body.description import BodyDescription, temperatures_at
 from fenics_contact.body.probe_points import DisplacementPoints
 from fenics_contact.body.supports import AppliedSupport, Supports
 from fenics_contact.common.arrays import Array, Flags, Integers
@@ -32,7 +32,7 @@ from fenics_contact.problem.loads.spring_feet import SpringFeet
 from fenics_contact.problem.loads.temperatures import ThermalStrain
 from fenics_contact.problem.massless import touching_nodes
 from fenics_contact.problem.moving import MovingInertia
-from fenics_contact.problem.scalar_kinds import scalars_of
+from fenics_contact.problem.scalar_kinds import Shortening, scalars_of
 from fenics_contact.problem.scalar_unknown import BodyScalar, ScalarState
 from fenics_contact.problem.support_moments import SupportMoments
 from fenics_contact.problem.terms import SharedReactions, Term, terms_of
@@ -470,14 +470,25 @@ class Problem:
         others = self.inertia.applied(self.load - self.feet.load, self.given_load)
         return others + self.feet.applied
 
-    def follow_temperature(self) -> None:
-        """Expand as the temperatures that conduction has found say; collective."""
-        if self.conduction is None:
-            return
-        self.elastic.follow_temperature(self.conduction.rise)
-        strains = [one for one in self.body_scalars if isinstance(one, ThermalStrain)]
-        for strain, forces in zip(strains, self.elastic.forces_of_heated, strict=True):
-            strain.follow_forces(forces)
+    @property
+    def follows_temperature(self) -> bool:
+        """Whether what bodies are changes with temperatures: expansions found, or moduli."""
+        return self.conduction is not None or self.elastic.follows_temperature
+
+    def follow_temperature(self, time: float) -> bool:
+        """Take expansions and moduli at present temperatures; whether moduli change; collective.
+
+        Args:
+            time: Pseudo-time of those that are given.
+        """
+        rise = None if self.conduction is None else self.conduction.rise
+        has_changed = self.elastic.take_moduli(rise, temperatures_at(self.scene, time))
+        if rise is not None:
+            self.elastic.follow_temperature(rise)
+        parts = [one for one in self.body_scalars if isinstance(one, Shortening | ThermalStrain)]
+        for part, forces in zip(parts, self.elastic.forces_of_parts, strict=True):
+            part.follow_forces(forces)
+        return has_changed
 
     def stick_all(self) -> None:
         """Take every contact point to stick, for a solve to begin with."""

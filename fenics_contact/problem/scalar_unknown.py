@@ -307,6 +307,14 @@ class BodyScalar(ScalarUnknown):
         """Forces c of a unit of it on the body, with the corner D."""
         return self._forces
 
+    def follow_forces(self, forces: ScalarForces) -> None:
+        """Take what a unit of it does to the body, as temperatures there have changed.
+
+        Args:
+            forces: With the same present value.
+        """
+        self._forces = forces
+
     @property
     def key_of_force(self) -> OfScalar | None:
         """Key of ∂W/∂q among measured quantities; None where results do not have it."""

@@ -9,12 +9,14 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
+from fenics_contact.common.arrays import Array
 from fenics_contact.scene.units.dimensions import (
     CONDUCTIVITY,
     DENSITY,
     EXPANSION,
     LENGTH,
     LENGTH_OR_NUMBER,
+    OF_KEY,
     STRESS,
     TEMPERATURE,
 )
@@ -151,6 +153,40 @@ Stiffness = Annotated[
 ]
 
 
+@scene_class
+class ModulusTable:
+    """A modulus that follows the temperature, linear between the listed ones.
+
+    >>> ModulusTable(temperature=(20, 220), values=(210e3, 190e3)).at(np.array([0, 120])).tolist()
+    [210000.0, 200000.0]
+    """
+
+    temperature: Annotated[
+        tuple[Annotated[Number, TEMPERATURE], ...],
+        Field(min_length=2, description="increasing temperatures"),
+    ]
+    values: Annotated[
+        tuple[Annotated[Number, OF_KEY], ...],
+        Field(min_length=2, description="the modulus at each; constant beyond the ends"),
+    ]
+
+    def __post_init__(self) -> None:
+        if len(self.temperature) != len(self.values):
+            raise ValueError(
+                f"temperature has {len(self.temperature)} entries and values {len(self.values)}"
+            )
+        if any(b <= a for a, b in zip(self.temperature, self.temperature[1:], strict=False)):
+            raise ValueError("the temperatures must increase")
+
+    def at(self, temperature: Array) -> Array:
+        """The modulus at temperatures.
+
+        Args:
+            temperature: At points, (points,) (temperature).
+        """
+        return np.interp(temperature, self.temperature, self.values)
+
+
 _Expansions = Annotated[tuple[Annotated[Number, EXPANSION], ...], _Three]
 
 
@@ -173,11 +209,11 @@ class Material:
     fenics_contact.common.errors.SceneError: Material: poissons_ratio = 0.5 must lie between -1 and 0.5
     """  # noqa: E501
 
-    youngs_modulus: Annotated[Value | None, STRESS, Field(description="Young's modulus, > 0")] = (
-        None
-    )
+    youngs_modulus: Annotated[
+        Value | ModulusTable | None, STRESS, Field(description="Young's modulus, > 0")
+    ] = None
     poissons_ratio: Annotated[
-        Value | None,
+        Value | ModulusTable | None,
         Field(description="Poisson's ratio, between −1 and 0.5; from .49 nothing locks"),
     ] = None
     stiffness: Annotated[
@@ -232,13 +268,20 @@ class Material:
                     raise ValueError(f"{key} is missing (or give a stiffness)")
         elif self.stiffness is not None and isotropic != (None, None):
             raise ValueError("give either youngs_modulus and poissons_ratio, or stiffness")
-        young, poisson = isotropic
-        if isinstance(young, float | int) and young <= 0:
-            raise ValueError(f"youngs_modulus = {young:g} must be greater than 0")
-        if isinstance(poisson, float | int) and not -1 < poisson < 0.5:
-            raise ValueError(f"poissons_ratio = {poisson:g} must lie between -1 and 0.5")
+        for young in _numbers(self.youngs_modulus):
+            if young <= 0:
+                raise ValueError(f"youngs_modulus = {young:g} must be greater than 0")
+        for poisson in _numbers(self.poissons_ratio):
+            if not -1 < poisson < 0.5:
+                raise ValueError(f"poissons_ratio = {poisson:g} must lie between -1 and 0.5")
         if isinstance(self.density, float | int) and self.density <= 0:
             raise ValueError(f"density = {self.density:g} must be greater than 0")
+
+    @property
+    def follows_temperature(self) -> bool:
+        """Whether one of its moduli is a table of temperature."""
+        moduli = (self.youngs_modulus, self.poissons_ratio)
+        return any(isinstance(one, ModulusTable) for one in moduli)
 
     @property
     def by_name(self) -> dict[str, Any]:
@@ -254,6 +297,13 @@ class Material:
             values["youngs_modulus"] = f"{known.youngs_modulus:g} GPa"
             values["poissons_ratio"] = known.poissons_ratio
         return {key: value for key, value in values.items() if getattr(self, key) is None}
+
+
+def _numbers(modulus: Value | ModulusTable | None) -> tuple[float, ...]:
+    """The numbers that a modulus is given by; none of a function or a profile."""
+    if isinstance(modulus, ModulusTable):
+        return modulus.values
+    return (modulus,) if isinstance(modulus, float | int) else ()
 
 
 def with_values_by_name(materials: tuple[Material, ...], has_units: bool) -> tuple[Material, ...]:

@@ -79,6 +79,11 @@ class CoreScene(HasUnits):
         return bool(self.temperature or self.heat)
 
     @property
+    def moduli_follow_temperature(self) -> bool:
+        """Whether a modulus is a table of temperature."""
+        return any(material.follows_temperature for material in self.material)
+
+    @property
     def is_exact(self) -> bool:
         """Whether contacts are solved without penalty, or friction without smoothing."""
         is_asked = self.solver.strategy == "exact"

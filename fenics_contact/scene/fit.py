@@ -11,7 +11,7 @@ from fenics_contact.scene.contact import Contact, kinds_in_motion
 from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.laws.exact import require_exact
 from fenics_contact.scene.loading.conditions import Preload
-from fenics_contact.scene.loading.load_paths import require_cycles
+from fenics_contact.scene.loading.load_paths import moduli_change, require_cycles
 from fenics_contact.scene.loading.motion import Motion
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.settings import Steps
@@ -40,6 +40,7 @@ def require_fit(scene: CoreScene) -> None:
     _require_distinct("preloads", [preload.label for preload in scene.preload])
     _require_couplings(scene)
     _require_heat(scene)
+    _require_moduli(scene)
     _require_known(scene)
     require_cycles(scene)
     _require_motion(scene)
@@ -176,6 +177,35 @@ def _require_heat(scene: CoreScene) -> None:
         if contact.conductance is not None and contact.against is None:
             raise ValueError(
                 f"contact[{number}].conductance: heat crosses between two bodies; give against"
+            )
+
+
+def _require_moduli(scene: CoreScene) -> None:
+    """Refuse what cannot be had yet where moduli follow the temperature.
+
+    Raises:
+        ValueError: In words.
+    """
+    number = next((n for n, one in enumerate(scene.material) if one.follows_temperature), None)
+    if number is None:
+        return
+    key = f"material[{number}]" if len(scene.material) > 1 else "material"
+    words = f"{key}: moduli follow the temperature"
+    if any(material.stiffness is not None for material in scene.material):
+        raise ValueError(f"{words}, which takes isotropic materials: leave stiffness out")
+    if not moduli_change(scene):
+        return
+    others = {
+        "coupling": bool(scene.coupling),
+        "contacts that are solved exactly": scene.is_exact,
+        f"solver.solver = '{scene.solver.solver}'": scene.solver.solver in ("full", "iterative"),
+        **dict.fromkeys(registry.tables_not_with(scene, "heat"), True),
+    }
+    for other, is_there in others.items():
+        if is_there:
+            raise ValueError(
+                f"{words}, which changes in the run: not beside {other} yet; leave one of the two "
+                "out, or give one load step and temperatures"
             )
 
 

@@ -23,6 +23,7 @@ from fenics_contact.common.parallel import total
 from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.rigid_motions import held_by_points_alone, is_part_free
+from fenics_contact.scene.loading.load_paths import moduli_change
 from fenics_contact.solve.at_points.point_laws import why_not
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
@@ -249,6 +250,9 @@ def choose_solver(problem: Problem, is_kept: bool = False) -> SolverChoice:
         choice = SolverChoice("full", reason, memory_estimate(problem, "full"))
     elif wanted == "auto" and problem.conduction is not None:
         reason = "temperatures are found together with contact pressures"
+        choice = SolverChoice("condensed", reason, memory_estimate(problem, "condensed"))
+    elif wanted == "auto" and moduli_change(problem.scene):
+        reason = "moduli follow temperatures that change"
         choice = SolverChoice("condensed", reason, memory_estimate(problem, "condensed"))
     elif wanted == "auto" and problem.scene.is_exact:
         reason = "contacts are solved without penalty and smoothing"

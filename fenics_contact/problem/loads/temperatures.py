@@ -135,14 +135,6 @@ class ThermalStrain(BodyScalar):
             return signs[name] * self._per_degree * factor
         return None
 
-    def follow_forces(self, forces: ScalarForces) -> None:
-        """Take what a unit of it does to the body, as the temperature that was found has changed.
-
-        Args:
-            forces: With the same present value.
-        """
-        self._forces = forces
-
     def force_of(self, stress: Expr) -> Expr:
         """∂W/∂q of a stress, −∫ σ : (its strain free of stress for a unit), weighted."""
         strain = self.part.stressless_strain(ufl.as_ufl(-1.0))

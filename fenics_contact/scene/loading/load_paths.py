@@ -262,6 +262,26 @@ def _require_each_can_be_taken(scene: CoreScene, cycles: LoadCycles) -> None:
         )
 
 
+def moduli_change(scene: CoreScene) -> bool:
+    """Whether moduli follow temperatures that are found, or that change between load steps.
+
+    Args:
+        scene: What is to be run.
+    """
+    if not scene.moduli_follow_temperature:
+        return False
+    steps = load_steps_of(scene)
+    times = [*steps.all_times]
+    if steps.automatic:  # which may be cut
+        times = [0.0, *times, *(knot for knot in knots(scene) if knot < steps.last)]
+    return bool(scene.heat) or any(
+        len({path(scene.path_time(time)) for time in times}) > 1
+        if isinstance(path, Path)
+        else len(times) > 1
+        for path in (one.path for one in scene.temperature)
+    )
+
+
 def times_to_judge(scene: CoreScene, first_only: bool) -> list[float]:
     """Ends of load steps between which loads are combinations of those at them, increasing.
 

@@ -20,6 +20,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
 from fenics_contact.contact.point_gradients import AnswerGradient, along
 from fenics_contact.problem.problem import Problem
+from fenics_contact.scene.loading.load_paths import moduli_change
 from fenics_contact.simulation.sensitivities.adjoints import AnswerAdjoint, adjoint_of
 from fenics_contact.simulation.sensitivities.gradients import gradient_of
 from fenics_contact.simulation.sensitivities.quantity_gradients import StateGradient
@@ -167,7 +168,16 @@ def derivatives(
 
 
 def require_adjoint(problem: Problem) -> None:
-    """Refuse laws that do not say their own derivatives."""
+    """Refuse what has no derivatives: laws that do not say theirs, bodies that follow answers."""
+    if problem.conduction is not None:
+        raise InputError(
+            "derivatives: temperatures that conduction finds follow the answer, which has none yet"
+        )
+    if moduli_change(problem.scene):
+        raise InputError(
+            "derivatives: moduli follow temperatures that change between load steps, which has "
+            "none yet; give one load step"
+        )
     for contact in problem.contacts:
         for law in contact.laws:
             if not law.has_vjp:

@@ -270,6 +270,8 @@ class SceneChanges:
 
     def _of_strains(self, key: str, name: str, strains: Sequence[ThermalStrain]) -> Change:
         """The change by a number on which thermal strains depend."""
+        if self.problem.elastic.follows_temperature and name != "thermal_expansion":
+            raise _refused(key, "moduli follow the temperature")
         every: list[BodyScalar] = self.problem.body_scalars
         held = {every.index(strain): strain.slope(name, self.time) for strain in strains}
         known = {place: slope for place, slope in held.items() if slope is not None}

@@ -143,6 +143,17 @@ class CondensedSystem(System):
         self.version += 1
         self._present = None
 
+    def follow_bulk(self) -> None:
+        """Factorise the body anew, by itself where it is kept for others; collective."""
+        self.follow_loads()
+        values = self._values(self.state)
+        displacements, scalars = self.contact_displacements(), self._scalars_of(values)
+        self._destroy_own()
+        self._is_own = True
+        self._take_body(self._condense())
+        self.follow_loads()
+        self._set_state(displacements, scalars)
+
     def _set_state(self, position: Array, scalars: Array) -> None:
         """Set displacements of the free contact dofs, and scalars; collective."""
         with self.state as array:
@@ -181,6 +192,9 @@ class CondensedSystem(System):
 
     def destroy(self) -> None:
         """Free PETSc's objects, but those of a body that is kept."""
+        self._destroy_own()
+
+    def _destroy_own(self) -> None:
         if self._is_own:
             self.body.destroy()
         self._destroy_vectors()

@@ -27,6 +27,8 @@ from fenics_contact.solve.load_steps.accepted_step import (
 from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.systems.solution import Solution
 
+logger = logging.getLogger(__name__)
+
 # Of pseudo-times that are the same.
 _SAME = 1e-9
 # Strategies that have Newton's method on contact and friction together.
@@ -104,7 +106,8 @@ class StepRollback:
         conduction = self.problem.conduction
         if conduction is not None:
             conduction.recall(None if self.last is None else self.last.heat)
-            self._follow_temperature()
+        if conduction is not None or self.last is not None:
+            self._follow_temperature(self.time)
         self._go_back()
 
     def _go_back(self) -> None:
@@ -123,10 +126,20 @@ class StepRollback:
         for contact in problem.contacts:  # also of those that exert no forces
             contact.kinematics.move(contact.kinematics.relative(unknowns.displacement))
 
-    def _follow_temperature(self) -> None:
-        """Expand the body as temperatures say that were found; collective."""
-        self.problem.follow_temperature()
-        self.newton.system.follow_scalar_forces()
+    def _follow_temperature(self, time: float) -> None:
+        """Take the body at present temperatures, with what follows from them; collective.
+
+        Args:
+            time: Pseudo-time of those that are given.
+        """
+        if not self.problem.follows_temperature:
+            return
+        system = self.newton.system
+        if self.problem.follow_temperature(time):
+            logger.debug("  moduli follow the temperature: the body is factorised anew")
+            system.follow_bulk()
+        elif self.problem.conduction is not None:
+            system.follow_scalar_forces()
 
     def go_back_to(self, step: AcceptedStep) -> None:
         """To a load step that was accepted, from a later one; collective."""
@@ -154,8 +167,6 @@ def _begins_of_cycles(problem: Problem) -> Array:
     starts = () if cycles is None else cycles.repetition.starts
     return np.array([time for time in starts if time > 0])
 
-
-logger = logging.getLogger(__name__)
 
 # Solves a load step from that of another answer; None where that tells nothing of it.
 Warm = Callable[[Newton], Solution | None]
@@ -200,7 +211,7 @@ class StepTries(StepRollback):
         if conduction is not None:
             conduction.set_time(time)
             conduction.begin()
-            self._follow_temperature()
+        self._follow_temperature(time)
         try:
             while True:
                 found = self._try_at_temperatures(time)
@@ -211,7 +222,7 @@ class StepTries(StepRollback):
                 logger.debug("  time %g: temperatures follow the contact pressures", time)
                 self._near = self._present(time)
                 self._go_back()
-                self._follow_temperature()
+                self._follow_temperature(time)
         finally:
             self._near = None
 
@@ -230,7 +241,7 @@ class StepTries(StepRollback):
             return solve()
         conduction.begin()
         while True:
-            self._follow_temperature()
+            self._follow_temperature(self.time)
             self.newton.system.follow_supports()
             found = solve()
             if not conduction.follow(found.states, share):

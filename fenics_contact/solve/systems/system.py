@@ -216,6 +216,14 @@ class System(ABC):
             if self.scalars and self.comm.rank == 0:
                 array[-self.scalars :] = values
 
+    def follow_bulk(self) -> None:
+        """Take the body's stiffness, and what its scalars do to it, after a change; collective.
+
+        Raises:
+            NotImplementedError: The system cannot.
+        """
+        raise NotImplementedError("only a condensed system follows moduli that change")
+
     def follow_scalar_forces(self) -> None:
         """Take what the body's scalars do to it, after that has changed; collective.
 

@@ -11,7 +11,7 @@ from fenics_contact.common.timings import ESTIMATING, doing
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import MAX_CONTACT_PRESSURE, REACTION_MOMENT
-from fenics_contact.scene.loading.load_paths import cycles_of, knots
+from fenics_contact.scene.loading.load_paths import cycles_of, knots, moduli_change
 from fenics_contact.scene.quantity_names import Reaction
 from fenics_contact.solve.load_steps.load_steps import LoadSteps
 from fenics_contact.trust.error_estimates.linear_change import (
@@ -111,8 +111,9 @@ class Estimates:
         is_short = len(self._times) <= _SHORT and self._can_repeat
         self._takes_all = self._wants_all or is_short
         is_smooth = load_steps.newton.exact is None
-        # The tangent knows nothing of how temperatures follow pressures.
-        by_tangent = self._is_cheap and is_smooth and self._problem.conduction is None
+        # The tangent knows nothing of how temperatures follow pressures, and moduli these.
+        follows = self._problem.conduction is not None or moduli_change(scene)
+        by_tangent = self._is_cheap and is_smooth and not follows
         self._is_linear = by_tangent and not (self._can_repeat or self._wants_all)
 
     def all(self) -> tuple[dict[str, Errors], list[str]]:
