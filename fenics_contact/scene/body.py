@@ -300,10 +300,9 @@ class Material:
 
 
 def _numbers(modulus: Value | ModulusTable | None) -> tuple[float, ...]:
-    """The numbers that a modulus is given by; none of a function or a profile."""
-    if isinstance(modulus, ModulusTable):
-        return modulus.values
-    return (modulus,) if isinstance(modulus, float | int) else ()
+    """The numbers that a modulus is given by; none of a function, a profile or texts with a unit."""
+    every = modulus.values if isinstance(modulus, ModulusTable) else (modulus,)
+    return tuple(one for one in every if isinstance(one, float | int))
 
 
 def with_values_by_name(materials: tuple[Material, ...], has_units: bool) -> tuple[Material, ...]:

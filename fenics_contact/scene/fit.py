@@ -190,9 +190,11 @@ def _require_moduli(scene: CoreScene) -> None:
     if number is None:
         return
     key = f"material[{number}]" if len(scene.material) > 1 else "material"
-    words = f"{key}: moduli follow the temperature"
     if any(material.stiffness is not None for material in scene.material):
-        raise ValueError(f"{words}, which takes isotropic materials: leave stiffness out")
+        raise ValueError(
+            f"{key}: moduli follow the temperature, which takes isotropic materials: leave "
+            "stiffness out"
+        )
     if not moduli_change(scene):
         return
     others = {
@@ -204,8 +206,8 @@ def _require_moduli(scene: CoreScene) -> None:
     for other, is_there in others.items():
         if is_there:
             raise ValueError(
-                f"{words}, which changes in the run: not beside {other} yet; leave one of the two "
-                "out, or give one load step and temperatures"
+                f"{key}: moduli follow the temperature, which changes in the run: not beside "
+                f"{other} yet; leave one of the two out, or give one load step and temperatures"
             )
 
 
