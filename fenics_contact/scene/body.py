@@ -300,7 +300,7 @@ class Material:
 
 
 def _numbers(modulus: Value | ModulusTable | None) -> tuple[float, ...]:
-    """The numbers that a modulus is given by; none of a function, a profile or texts with a unit."""
+    """The numbers that a modulus is given by; none of functions, profiles and texts with a unit."""
     every = modulus.values if isinstance(modulus, ModulusTable) else (modulus,)
     return tuple(one for one in every if isinstance(one, float | int))
 
