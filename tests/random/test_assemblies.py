@@ -64,3 +64,18 @@ def test_plates_are_pressed_together_by_the_bolt(of_few, number):
 def test_all_nodes_give_the_same_answer(of_few, kind, number):
     random = drawn(kind, number)
     require_same(random.scene, random.body(COMM), tolerance=1e-6)
+
+
+def test_a_pin_that_glue_holds_at_first_is_pressed_into_its_lug():
+    """Glue carries all of the load while the clearance is open; no way may end there."""
+    random = COMM.bcast(draw_kind("assembly", 10, 80) if COMM.rank == 0 else None)
+    found = []
+    for strategy in ("monolithic", "lagged"):
+        settings = dataclasses.replace(WITHOUT_ERRORS, strategy=strategy)
+        scene = dataclasses.replace(random.scene, solver=settings)
+        outcome = outcome_of(dataclasses.replace(random, scene=scene))
+        assert outcome.code == 0, outcome.words
+        found.append(outcome.result.contacts[0].quantities)
+    assert found[0]["pressure_integral"] > 0
+    for name in ("pressure_integral", "max_contact_pressure", "contact_area"):
+        assert found[1][name] == pytest.approx(found[0][name], rel=1e-6), name

@@ -216,6 +216,26 @@ def fit_scale(newton: Newton) -> None:
         for contact in late:
             follow_pressure(contact, limit)
         if RigidMotions(newton.problem).slides_on_coulomb:
-            # Nothing but friction takes the creep back, by one ε a step of Newton's method.
-            _find_scale(newton)
+            _solve_afresh(newton)
+        else:
+            solve_coupled(newton)
+
+
+def _solve_afresh(newton: Newton) -> None:
+    """Solve with a smaller ε where friction alone holds bodies; collective.
+
+    Nothing but friction takes the creep back, by one ε a step of Newton's method, so that it is
+    quicker from contact without friction. Where that is too far away, from the present answer.
+    """
+    contacts, start = newton.problem.coulomb, newton.save()
+    scales = [contact.friction.regularisation.chosen for contact in contacts]
+    try:
+        _find_scale(newton)
         solve_coupled(newton)
+        return
+    except NotConvergedError as error:
+        logger.info("%s; next: from the answer with the larger regularisation", error)
+    newton.restore(start)
+    for contact, scale in zip(contacts, scales, strict=True):
+        contact.friction.regularisation.recall(scale, contact.friction.regularisation.is_known)
+    solve_coupled(newton)

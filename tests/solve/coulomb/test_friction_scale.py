@@ -20,8 +20,10 @@ from fenics_contact import (
     Support,
     run,
 )
+from fenics_contact.common.errors import NotConvergedError
 from fenics_contact.common.parallel import on_root
 from fenics_contact.simulation.state_file import StateFile
+from fenics_contact.solve.coulomb import monolithic
 from fenics_contact.verification.boxes import Box, boxes
 from tests.scenes import box_body
 from tests.solve.load_steps.histories import require_same
@@ -199,6 +201,40 @@ def test_unloaded_to_little_and_sheared(law, pair):
     expected = strongest(result) / strongest(result, peak)
     assert expected < 1e-3
     assert used(result) / used(result, peak) == pytest.approx(expected, rel=0.7)
+
+
+def test_a_smaller_scale_is_found_from_the_answer(monkeypatch):
+    """Contact without friction may be too far away to be found where friction alone holds a block.
+
+    It is pressed by a hundredth in the second load step, which begins with the scale of the first.
+    """
+    calls = []
+
+    def not_found(newton):
+        calls.append(newton)
+        raise NotConvergedError("contact without friction is too far away", ())
+
+    monkeypatch.setattr(monolithic, "_find_scale", not_found)
+    scene = Scene(
+        kinematics="plane strain",
+        material=Material(STIFFNESS, 0.3),
+        support=(Support("lower.y0", {"x": 0, "y": 0}),),
+        load=(Load("upper.y1", traction=(0.1, -1), path=Path((0, 0.5, 1), (0, 1, 0.01))),),
+        contact=(
+            Contact("upper.y0", against="lower.y1", friction_coefficient=0.3, law="incremental"),
+        ),
+        steps=Steps(2),
+        solver=SolverSettings(strategy="monolithic"),
+    )
+    parts = Box("lower", (0, -1), (2, 0), (8, 4)), Box("upper", (0.5, 0), (1.5, 1), (5, 4))
+    result = run(scene, COMM, boxes(parts))
+    assert calls
+    assert result.passed, result.verdict
+    shares = [used(result, number) / strongest(result, number) for number in range(2)]
+    assert strongest(result) < 0.1 * strongest(result, 0)
+    assert shares[1] == pytest.approx(shares[0], rel=0.7)
+    reaction = result.quantities["reaction"]
+    assert reaction == pytest.approx([-0.001, 0.01], abs=1e-9)
 
 
 def test_a_given_pressure_that_falls_takes_its_scale_along():
