@@ -39,7 +39,9 @@ def around(traction, dimension=2):
     return (*found, 0.0)[:dimension]
 
 
-def hub_on_shaft(copies, cells=((4, 2), (4, 3)), dimension=2, cell="", order=1, offset=0.0):
+def hub_on_shaft(
+    copies, cells=((4, 2), (4, 3)), dimension=2, cell="", order=1, offset=0.0, comm=COMM
+):
     """``cut0`` and ``cut1`` are the faces of the cut through both bodies, which are skew.
 
     Args:
@@ -49,6 +51,7 @@ def hub_on_shaft(copies, cells=((4, 2), (4, 3)), dimension=2, cell="", order=1, 
         cell: Kind of the cells, by default quadrilaterals or hexahedra.
         order: Of the cells' geometry; those of order 1 are in waves.
         offset: Of the hub's cut against that of the shaft, in sectors.
+        comm: Of the mesh.
     """
     low, high, more = ((0.0,), (3.0,), (1,)) if dimension == 3 else ((), (), ())
     turn, ahead = 2 * np.pi * copies / SECTORS, 2 * np.pi * offset / SECTORS
@@ -59,7 +62,7 @@ def hub_on_shaft(copies, cells=((4, 2), (4, 3)), dimension=2, cell="", order=1, 
     )
     closed = ("shaft", "hub") if copies == SECTORS else ()
     kind = cell or ("quadrilateral" if dimension == 2 else "hexahedron")
-    body = boxes(parts, kind, order=order, closed=closed)
+    body = boxes(parts, kind, order=order, closed=closed, comm=comm)
     wave = 1.0 if order == 1 else 0.0
     x = body.mesh.geometry.x
     turned, radius = x[:, 0].copy(), x[:, 1].copy()

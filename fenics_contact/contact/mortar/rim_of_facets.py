@@ -88,11 +88,11 @@ def _nearest_parameters(points: Array, geometry: Array) -> Array:
     square = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)
     at = np.einsum("ped,ed->pe", points[:, None] - begin, way) / square
     if geometry.shape[1] <= 2:
-        return np.clip(at, 0.0, 1.0)
+        return np.asarray(np.clip(at, 0.0, 1.0))
     samples = np.linspace(0, 1, _SAMPLES)
     sampled = np.einsum("sg,egd->esd", _along_edge(samples, geometry.shape[1]), geometry)
     apart = np.linalg.norm(points[:, None, None] - sampled, axis=3)
-    at = samples[apart.argmin(axis=2)]
+    at = np.asarray(samples[apart.argmin(axis=2)])
     bend = 2 * (geometry[:, 0] - 2 * geometry[:, 1] + geometry[:, 2])
     slope = -3 * geometry[:, 0] + 4 * geometry[:, 1] - geometry[:, 2]
     for _ in range(_STEPS):
@@ -100,7 +100,7 @@ def _nearest_parameters(points: Array, geometry: Array) -> Array:
         left = points[:, None] - _on_edges(at, geometry)
         square = np.maximum((tangent**2).sum(axis=2), np.finfo(float).tiny)
         at = np.clip(at + (tangent * left).sum(axis=2) / square, 0.0, 1.0)
-    return at
+    return np.asarray(at)
 
 
 def _on_edges(at: Array, geometry: Array) -> Array:

@@ -20,6 +20,7 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
+    Coupling,
     Discretisation,
     Load,
     Material,
@@ -30,6 +31,7 @@ from fenics_contact import (
     Run,
     Scene,
     SpeedDependentFriction,
+    Spring,
     Steps,
     Support,
     main,
@@ -39,6 +41,7 @@ from fenics_contact.common.failures import Interrupts
 from fenics_contact.simulation import row_tables, state_file
 from fenics_contact.simulation.state_file import StateFile
 from tests.messages import refused, says
+from tests.problem.sectors import fitted, hub_on_shaft
 from tests.scenes import PULLED_BLOCK, ROOT, box_body
 from tests.simulation.motion.test_coupled_motion import body as swinging_body
 from tests.simulation.motion.test_coupled_motion import swinging
@@ -77,6 +80,16 @@ KICKED = Scene(
     ),
     motion=Motion(step=0.01, end=0.06, velocity={"body": (0.5, 0, 0)}, start="static"),
 )
+RIM = Coupling(
+    "hub.y1", at=(0, 0), name="rim", moment=12.0, path=Path((0, 0.3, 0.7, 1), (0, 0, 1, 0.6))
+)
+SECTOR = dataclasses.replace(
+    fitted(False, law="incremental"),
+    load=(),
+    coupling=(RIM,),
+    spring=(Spring(("rim", "ground"), rotational_stiffness=50.0),),
+    steps=STEPS,
+)
 TURNED = {"force": 5.0, "moment": 0.3, "rotation": ObstacleRotation(at=(0.5, 1.5))}
 AUTOMATIC = Steps(number=4, automatic=True)
 SCENES = {
@@ -93,6 +106,7 @@ SCENES = {
     "motion": (KICKED, tetrahedra),
     "bolt in motion": (joint(6.0, end=0.012), joint_body),
     "coupled in motion": (swinging(), swinging_body),
+    "coupled in a sector": (SECTOR, lambda comm=COMM: hub_on_shaft(1, comm=comm)),
 }
 
 
@@ -122,7 +136,7 @@ def resumed(scene, body, folder):
     "name",
     [
         *("automatic", "nearly incompressible, full", "two bodies", "centres of tetrahedra"),
-        *("exact", "motion", "bolt in motion", "coupled in motion"),
+        *("exact", "motion", "bolt in motion", "coupled in motion", "coupled in a sector"),
     ],
 )
 def test_a_run_goes_on_on_other_ranks(name, folder, monkeypatch):
