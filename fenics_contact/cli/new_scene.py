@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import re
@@ -20,9 +21,9 @@ from fenics_contact.common.program import mesh_file, templates
 from fenics_contact.common.wording import did_you_mean, one_line
 from fenics_contact.mesh.facing_surfaces import facing_pairs
 from fenics_contact.mesh.loading import is_geometry, load_to_look
-from fenics_contact.mesh.survey import FoundSurface, Survey, survey
+from fenics_contact.mesh.survey import FoundPlace, FoundSurface, Survey, survey
 from fenics_contact.report.gallery import require
-from fenics_contact.report.page.look import BodyRow, Look, PairRow, SurfaceRow, look_page
+from fenics_contact.report.page.look import BodyRow, Look, PairRow, PlaceRow, SurfaceRow, look_page
 from fenics_contact.scene.scene import MeshSource
 
 logger = logging.getLogger(__name__)
@@ -86,6 +87,7 @@ def look_at(path: Path, out: Path | None, tolerance: float | None) -> str:
         scene=text,
         commands=commands,
         cells=found.cells,
+        places=[_place_row(one, found.dimension) for one in found.places],
     )
     drawn = look_page(look, [surface.triangles for surface in found.surfaces], found.rest)
     try:
@@ -121,6 +123,17 @@ def _row(surface: FoundSurface, found: Survey) -> SurfaceRow:
         place=_place(surface, found.dimension),
         at=_before(surface, _BEFORE * found.size),
     )
+
+
+def _place_row(found: FoundPlace, dimension: int) -> PlaceRow:
+    ends = [_vector(end, dimension) for end in found.ends]
+    place = f"around {_vector(found.centre, dimension)}"
+    if found.length == 0 and len(ends) == 1:
+        place = ends[0]
+    elif found.length and len(ends) == 2:
+        place = f"from {ends[0]} to {ends[1]}"
+    length = f"{found.length:.5g}" if found.length else ""
+    return PlaceRow(found.name, length, place, found.pieces)
 
 
 def _before(surface: FoundSurface, distance: float) -> tuple[float, ...]:
@@ -159,6 +172,7 @@ def _said(look: Look, page: Path, scene: Path) -> str:
         f"{look.title}: {_count(look.bodies, 'bodies')}, {_count(look.surfaces, kind)}",
         *(f"  {body.number} {body.name} ({body.measure})" for body in look.bodies),
         *(f"  {words}" for words in look.relations),
+        *_points_and_edges(look),
         f"{_count(look.pairs, 'pairs')} for contacts" + (":" if look.pairs else ""),
         *(f"  {p.name}: {p.sides[0]}; {p.sides[1]}; they {p.words}" for p in look.pairs),
         f"Wrote {page} and {scene}",
@@ -167,6 +181,17 @@ def _said(look: Look, page: Path, scene: Path) -> str:
         *(f"  {command}" for command in look.commands),
     ]
     return "\n".join(map(one_line, lines))
+
+
+def _points_and_edges(look: Look) -> list[str]:
+    """What supports may hold beside surfaces, in a line."""
+    if not look.places:
+        return []
+    edges = [row for row in look.places if row.length]
+    points = [row for row in look.places if not row.length]
+    counts = [_count(rows, word) for rows, word in ((points, "points"), (edges, "edges")) if rows]
+    first = look.places[0].called
+    return [f"  {' and '.join(counts)} that supports may hold, such as on = {json.dumps(first)}"]
 
 
 def _count(things: Sequence[object], word: str) -> str:

@@ -5,6 +5,7 @@ Plane models are given a height of 1, so that their curves are surfaces as well.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -88,6 +89,38 @@ class FoundSurface:
 
 
 @dataclass(frozen=True)
+class FoundPlace:
+    """Points, or edges in space, that supports may hold.
+
+    Attributes:
+        name: What scenes call them, such as ``point 3``.
+        pieces: As the places of ``Group``.
+    """
+
+    name: str
+    pieces: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...]
+
+    @property
+    def length(self) -> float:
+        """Of the edges, 0 of points (length)."""
+        return float(sum(np.linalg.norm(np.subtract(*piece)) for piece in self.pieces))
+
+    @property
+    def ends(self) -> list[tuple[float, ...]]:
+        """Where edges end; of points all (length)."""
+        if self.length == 0:
+            return [begin for begin, _ in self.pieces]
+        counts = Counter(end for piece in self.pieces for end in piece)
+        return [end for end, count in counts.items() if count == 1]
+
+    @property
+    def centre(self) -> tuple[float, ...]:
+        """The middle of the box around them (length)."""
+        corners = np.array(self.pieces).reshape(2 * len(self.pieces), -1)
+        return tuple(((corners.min(axis=0) + corners.max(axis=0)) / 2).tolist())
+
+
+@dataclass(frozen=True)
 class Survey:
     """Bodies and surfaces of a file.
 
@@ -99,6 +132,7 @@ class Survey:
         cells: Of the mesh.
         rest: Triangles of the boundary that no surface holds, (triangles, 3, 3) (length).
         are_named: Whether the bodies' names are groups that share no cell and leave none out.
+        places: Points, and edges in space, those with names first.
     """
 
     dimension: int
@@ -108,6 +142,7 @@ class Survey:
     cells: int
     are_named: bool
     rest: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    places: tuple[FoundPlace, ...] = ()
 
     @property
     def size(self) -> float:
@@ -169,6 +204,12 @@ class _Look:
             len(self._corners),
             are_named,
             self._triangles(self._rest),
+            tuple(
+                FoundPlace(name, group.places)
+                for groups in (self._mesh.groups, self._mesh.numbers)
+                for name, group in groups.items()
+                if group.places
+            ),
         )
 
     def _bodies(self) -> tuple[list[FoundBody], Integers, bool]:

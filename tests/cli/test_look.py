@@ -6,6 +6,7 @@ import re
 import tomllib
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
 from fenics_contact import load_scene, main, run
@@ -257,3 +258,25 @@ def test_scenes_are_left_alone_and_files_are_refused_as_by_check(folder, capsys)
     assert not (folder / "new").exists()
     with pytest.raises(SystemExit, match="2"):
         look(folder / "bad.geo", folder / "new", "--tolerance", "-1")
+
+
+def test_points_and_edges_that_supports_may_hold(folder, capsys):
+    """Named ones first, then numbers; a scene holds what the page calls by them."""
+    (folder / "g.geo").write_text(STACK + 'Physical Point("foot") = {1};\n')
+    scene = checked(folder / "g.geo", folder / "out")
+    said = capsys.readouterr().out
+    assert '17 points and 24 edges that supports may hold, such as on = "foot"' in said
+    page = (folder / "out" / "look.html").read_text()
+    data = re.search(r'id="look-data"[^>]*>(.*?)</script>', page, re.DOTALL)[1]
+    places = {one["called"]: one["pieces"] for one in json.loads(data)["places"]}
+    assert len(places) == 41 and places["foot"] == places["point 1"]
+    assert places["foot"] == [[[0, 0, 1]] * 2]
+    # Each edge of both blocks runs along an axis, over all of its side.
+    edges = {name: np.array(pieces) for name, pieces in places.items() if "edge" in name}
+    lengths = sorted(float(np.ptp(ends.reshape(-1, 3), axis=0).sum()) for ends in edges.values())
+    assert lengths == pytest.approx([1.0] * 16 + [2.0] * 8)
+    assert "from (0, 0, 0) to (0, 0, 1)" in page
+    path = folder / "out" / "scene.toml"
+    held = scene["support"][0]["on"]
+    path.write_text(path.read_text().replace(f'on = "{held}"', 'on = "edge 1"', 1))
+    assert main(["check", str(path), "--quiet"]) == 0

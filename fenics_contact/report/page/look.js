@@ -93,6 +93,12 @@
     numbers.textfont.color = "#111";
   }
   const firstEdge = traces.length - data.surfaces.length;
+  const pickedTrace = traces.length;
+  traces.push({
+    type: data.flat ? "scatter" : "scatter3d", mode: "lines+markers", hoverinfo: "skip",
+    line: { color: chosenColour, width: 6 }, marker: { color: chosenColour, size: 5 },
+    x: [], y: [], z: data.flat ? undefined : [],
+  });
   traces.push(numbers);
   const dark = window.matchMedia("(prefers-color-scheme: dark)").matches;
   const ink = dark ? "#e4e9ee" : "#1c2733";
@@ -123,7 +129,14 @@
       surface.measure, surface.place, `of body ${bodies.join(", ")}`,
     ].filter((text) => text).join(" · ");
   }
+  function pick(pieces, text) {
+    const drawn = { x: [lines(pieces, 0)], y: [lines(pieces, 1)] };
+    if (!data.flat) drawn.z = [lines(pieces, 2)];
+    Plotly.restyle(place, drawn, [pickedTrace]);
+    said.textContent = text;
+  }
   function choose(numbers) {
+    pick([], "");
     paint(chosen, null);
     chosen = numbers;
     clicked = numbers.length === 1 ? numbers[0] : null;
@@ -154,6 +167,13 @@
     });
     document.querySelectorAll("[data-surface]").forEach((button) => {
       button.addEventListener("click", () => choose([Number(button.dataset.surface)]));
+    });
+    document.querySelectorAll("[data-place]").forEach((button) => {
+      const found = data.places[Number(button.dataset.place)];
+      button.addEventListener("click", () => {
+        choose([]);
+        pick(found.pieces, found.called);
+      });
     });
     document.querySelectorAll("[data-pair]").forEach((button) => {
       button.addEventListener("click", () => choose(data.pairs[Number(button.dataset.pair)]));

@@ -71,6 +71,23 @@ class PairRow:
 
 
 @dataclass(frozen=True)
+class PlaceRow:
+    """Points, or edges in space, as people read of them.
+
+    Attributes:
+        called: As scenes name them in quotation marks.
+        length: Of edges.
+        place: Where they are.
+        pieces: Begin and end of straight pieces, the same of points (length).
+    """
+
+    called: str
+    length: str
+    place: str
+    pieces: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...]
+
+
+@dataclass(frozen=True)
 class Look:
     """Content of the page on a mesh.
 
@@ -84,6 +101,7 @@ class Look:
         scene: The text of the scene that is proposed.
         commands: That come next.
         cells: Of the mesh that is shown.
+        places: Points and edges that supports may hold, in order.
     """
 
     title: str
@@ -95,6 +113,7 @@ class Look:
     scene: str
     commands: Sequence[str]
     cells: int
+    places: Sequence[PlaceRow] = ()
 
 
 def look_page(look: Look, triangles: Sequence[Array], rest: Array) -> str:
@@ -116,6 +135,7 @@ def look_page(look: Look, triangles: Sequence[Array], rest: Array) -> str:
         ],
         "pairs": [list(pair.surfaces) for pair in look.pairs],
         "rest": _packed(rest),
+        "places": [{"called": one_line(row.called), "pieces": row.pieces} for row in look.places],
     }
     text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
     return render(
