@@ -38,7 +38,7 @@ class DisplacementPoints:
         spaces: The body's.
 
     Raises:
-        InputError: A point is outside the body.
+        InputError: A point is outside the body, or its name is none of a single point.
     """
 
     def __init__(self, points: Sequence[Point], spaces: Spaces) -> None:
@@ -47,13 +47,16 @@ class DisplacementPoints:
         self._shape = len(points), spaces.components
         self._count = len(spaces.coordinates)
         self._at = np.zeros((len(points), 3))
-        for place, point in zip(self._at, points, strict=True):
-            place[: len(point.at)] = point.at
+        for number, (place, point) in enumerate(zip(self._at, points, strict=True)):
+            at = _place_of(point, f"point[{number}].on", spaces)
+            place[: len(at)] = at
         found = _cells_with(spaces, self._at)
         first = _first_of(spaces, found, len(points))
         outside = np.flatnonzero(first == np.inf)
         if outside.size:
-            _refuse(points, int(outside[0]), spaces)
+            number = int(outside[0])
+            at = self._at[number, : spaces.components].tolist()
+            _refuse(f"point[{number}].at = {at}", spaces)
         mine = _numbers(spaces)[found.cells] == first[found.points]
         self._points, self._cells = found.points[mine], found.cells[mine]
         element = spaces.displacement_space.ufl_element().sub_elements[0]
@@ -169,14 +172,26 @@ def _first_of(spaces: Spaces, found: _Found, count: int) -> Array:
     return first
 
 
-def _refuse(points: Sequence[Point], number: int, spaces: Spaces) -> NoReturn:
+def _place_of(point: Point, key: str, spaces: Spaces) -> tuple[float, ...]:
+    """Where a point is, by its coordinates or its name in the mesh; collective."""
+    if point.at is not None:
+        return point.at
+    assert point.on is not None
+    group = spaces.body.group(point.on, key)
+    places = {end for piece in group.places for end in piece}
+    if len(places) != 1:
+        raise InputError(
+            f"{key} = '{point.on}': is no single point; give the name of one, or its place, at"
+        )
+    return places.pop()
+
+
+def _refuse(key: str, spaces: Spaces) -> NoReturn:
     """A point that no cell holds; collective."""
-    at = points[number].at
-    corners = spaces.body.mesh.geometry.x.T[: len(at)]
+    corners = spaces.body.mesh.geometry.x.T[: spaces.components]
     least, most = ([f(spaces.comm, x) for x in corners] for f in (smallest, largest))
     raise InputError(
-        f"point[{number}].at = {list(at)}: is outside the body, which reaches from "
-        f"{_written(least)} to {_written(most)}"
+        f"{key}: is outside the body, which reaches from {_written(least)} to {_written(most)}"
     )
 
 

@@ -80,7 +80,11 @@ def _require_vectors(scene: CoreScene) -> None:
     }
     for number, load in enumerate(scene.load):
         vectors |= load.vectors(f"load[{number}]")
-    vectors |= {f"point[{number}].at": point.at for number, point in enumerate(scene.point)}
+    vectors |= {
+        f"point[{number}].at": point.at
+        for number, point in enumerate(scene.point)
+        if point.at is not None
+    }
     for key, vector in vectors.items():
         if len(vector) != dimension:
             raise ValueError(

@@ -11,6 +11,7 @@ from fenics_contact import (
     Load,
     Material,
     MeshSource,
+    Point,
     Scene,
     SolverSettings,
     Support,
@@ -175,12 +176,23 @@ def test_points_and_edges_of_geometries_have_numbers(block):
         Support("point 5", {"y": 0, "z": 0}),
         Support("point 3", {"z": 0}),
     )
-    found = run(scene(block, held))
+    points = Point("end", on="along_x"), Point("start", on="point 1"), Point("up", (0, 0, 1))
+    found = run(scene(block, held, point=points))
     assert found.passed, found.verdict
+    assert found.quantities["displacement_end"] == pytest.approx([0.02, 0, 0], abs=1e-12)
+    assert found.quantities["displacement_start"] == found.quantities["displacement_up"]
+    with refused("point_on_an_edge"):
+        run(scene(block, held, point=(Point("end", on="upright"),)))
     with refused("no_such_point"):
         body.group("point 9", "support[0].on")
     with refused("no_such_edge_or_group"):
         body.group("nothing", "support[0].on")
+
+
+def test_a_point_is_by_its_place_or_by_its_name():
+    for given in ({}, {"at": (0, 0), "on": "origin"}):
+        with refused("point_by_place_or_name"):
+            Point("end", **given)
 
 
 def test_a_name_of_points_and_of_a_face(folder):

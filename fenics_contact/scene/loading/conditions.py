@@ -300,15 +300,22 @@ class Point:
         ),
     ]
     at: Annotated[
-        tuple[Annotated[Number, PLACE], ...],
+        Annotated[tuple[Annotated[Number, PLACE], ...], PER_AXIS] | None,
         Field(
-            min_length=2,
-            max_length=3,
             description="its place in the undeformed body, one entry per axis; where two bodies "
-            "touch it belongs to the first mesh",
+            "touch it belongs to the first mesh"
         ),
-    ]
+    ] = None
+    on: Annotated[
+        Text | None,
+        Field(
+            description="instead of `at`, a point of the mesh or of the CAD file, by name or as "
+            '`"point 3"`'
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[\w-]+", self.name):
             raise ValueError(f"name = '{self.name}' may have only letters, digits, '-' and '_'")
+        if (self.at is None) == (self.on is None):
+            raise ValueError("give either at, its place, or on, the name of a point of the mesh")
