@@ -81,3 +81,8 @@ make_base() {
     tar -C "$root" --numeric-owner --exclude './dev/*' -cf "$cache/trixie.tar.new" . &&
         mv "$cache/trixie.tar.new" "$cache/trixie.tar" && rm -rf "$root"
 }
+
+# How the Tiny C Compiler comes into the image. dpkg leaves out files such as its library there, and the
+# stacks of what it compiles are executable, which glibc refuses without the variable.
+install_tcc='apt-get install -y --no-install-recommends -o Dpkg::Options::="--path-include=/usr/lib/*/tcc/*" tcc'
+tcc_variables=(CC=tcc GLIBC_TUNABLES=glibc.rtld.execstack=2)
