@@ -124,6 +124,8 @@ class ObstacleKinematics(ContactKinematics):
         as it stood at first the ray begins aside of x, and is turned the other way.
         """
         size, angle = normals.shape[1], motion[-1]
+        if not motion.any():
+            return obstacle.gap(points, normals, self._spaces.position)
         moved = motion[:-1] + angle * self.turning.field(points, size)
         aside = moved - np.einsum("ij,ij->i", normals, moved)[:, None] * normals
         places = points.astype(aside.dtype)

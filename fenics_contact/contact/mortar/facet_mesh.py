@@ -205,9 +205,11 @@ def _element(shape: str, degree: int) -> FiniteElement:
 
 # So many facets are looked at more closely: they may all lie in one contact.
 _PROMISING = 64
-# Times that the samples around the best one come closer together, each time by half.
-_ROUNDS = 16
-_AROUND = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+# Samples between two neighbours of the best one, in each direction, by the dimension of facets.
+# Few rounds of many samples take less along a line, many rounds of few in a face.
+_CLOSER = {1: 8, 2: 2}
+# How close samples come together at last, over the distance of the first ones.
+_CLOSEST = 2.0**-16
 
 # Values at points (facets, reference coordinates), infinite where there is none.
 PointFunction = Callable[[AnyIntegers, Array], Array]
@@ -244,10 +246,13 @@ def lowest_points(mesh: FacetMesh, counts: AnyIntegers, function: PointFunction)
         values[facets], reference[facets] = found[np.arange(len(facets)), best], samples[best]
     promising = np.argsort(values, kind="stable")[:_PROMISING]
     promising = promising[np.isfinite(values[promising])]
-    width = 1 / np.maximum(counts[promising], 1)
-    for _ in range(_ROUNDS if len(promising) else 0):
-        around = np.stack(np.meshgrid(*[_AROUND] * reference.shape[1]), axis=-1)
-        steps = around.reshape(-1, reference.shape[1]) * width[:, None, None]
+    width, dimension = 1 / np.maximum(counts[promising], 1), reference.shape[1]
+    closer = _CLOSER[dimension]
+    along = np.linspace(-1.0, 1.0, 2 * closer + 1)
+    around = np.stack(np.meshgrid(*[along] * dimension), axis=-1).reshape(-1, dimension)
+    rounds = round(np.log(1 / _CLOSEST) / np.log(closer))
+    for _ in range(rounds if len(promising) else 0):
+        steps = around * width[:, None, None]
         places = _inside(mesh.shape, reference[promising, None] + steps)
         found = _at(function, promising, places)
         rows, best = np.arange(len(promising)), found.argmin(axis=1)
@@ -255,7 +260,7 @@ def lowest_points(mesh: FacetMesh, counts: AnyIntegers, function: PointFunction)
         values[promising] = np.where(better, found[rows, best], values[promising])
         chosen = np.where(better[:, None], places[rows, best], reference[promising])
         reference[promising] = chosen
-        width = width / 2
+        width = width / closer
     return LowestPoints(values, reference)
 
 
