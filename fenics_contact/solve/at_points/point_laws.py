@@ -8,6 +8,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.contact_surface import ContactSurface
+from fenics_contact.contact.laws.friction.rule import BoundOfPressure
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.at_points.contact_points import ContactPoints
 from fenics_contact.solve.exact.local_problem import (
@@ -16,6 +17,7 @@ from fenics_contact.solve.exact.local_problem import (
     GIVEN,
     NONE,
     UNILATERAL,
+    BoundRule,
     PointLaws,
 )
 
@@ -43,7 +45,7 @@ def _not_here(contact: ContactSurface) -> str | None:
         return "glue with a penalty_parameter above 0"
     if not (normal.has_penalty or normal.pressure_is_known):
         return normal.called
-    if friction.has_friction and not (friction.rule.is_linear and friction.neighbours is None):
+    if friction.has_friction and (friction.neighbours is not None or friction.rule.follows_speed):
         return friction.called
     if contact.wear.wears:
         return "wear"
@@ -67,11 +69,39 @@ def laws_of(points: Sequence[ContactPoints]) -> PointLaws:
         coefficient=coefficient,
         across=across,
         along=along,
+        bound=_bounds_of(points, coefficient),
         fixed_bound=fixed,
         given_force=np.zeros(len(fixed)),
         series_compliance=np.concatenate(give),
         elastic_slip=elastic,
     )
+
+
+def _bounds_of(points: Sequence[ContactPoints], coefficient: Array) -> BoundRule | None:
+    """Bounds where those of some contact are no multiple of the force; else None; collective.
+
+    Args:
+        points: Those of each contact.
+        coefficient: Of all points, where they are.
+    """
+    parts: list[tuple[slice, Array, BoundOfPressure]] = []
+    first = 0
+    for one in points:
+        friction, part = one.contact.friction, slice(first, first + one.count)
+        first = part.stop
+        if one.contact.is_coulomb and not friction.rule.is_linear:
+            parts.append((part, one.weights, friction.rule.of_points(one.of_all_ranks)))
+    if not parts:
+        return None
+
+    def bound(forces: Array) -> tuple[Array, Array]:
+        found, slope = coefficient * forces, coefficient.copy()
+        for part, areas, of_pressure in parts:
+            stress, slope[part] = of_pressure(forces[part] / areas)
+            found[part] = stress * areas
+        return found, slope
+
+    return bound
 
 
 def _of_contact(points: ContactPoints) -> tuple[Array, Array, Array, Array, Array]:

@@ -35,6 +35,10 @@ _EARLIER_NAMES = {
 }
 
 
+# Pressures at points (stress) → bound of friction there (stress), and its slope.
+BoundOfPressure = Callable[[Array], tuple[Array, Array]]
+
+
 @dataclass(frozen=True, eq=False)
 class BoundGradient:
     """Gradient of a quantity in what a bound follows from, at the points.
@@ -236,6 +240,29 @@ class FrictionRule:
             pressure: At the points (stress).
         """
         return self._at_points.slope("pressure", pressure=self.averaged(pressure), **self._values)
+
+    def of_points(self, gather: Callable[[Array], Array]) -> BoundOfPressure:
+        """The present bound as a function of pressures at points of other ranks, too; collective.
+
+        Of rules whose bound at a point depends on the pressure there alone.
+
+        Args:
+            gather: Gives values at all points from those at the points of this rank; collective.
+
+        Returns:
+            Takes pressures at all points (stress), gives the bound there (stress) and its slope.
+        """
+        values = {
+            name: gather(value) if isinstance(value, np.ndarray) else value
+            for name, value in self._values.items()
+        }
+        density = self._at_points
+
+        def bound(pressure: Array) -> tuple[Array, Array]:
+            given = {"pressure": pressure, **values}
+            return density.value(**given), density.slope("pressure", **given)
+
+        return bound
 
     def in_ufl(self, pressure: Expr) -> Expr:
         """The bound on the surface in UFL, for forms (stress).
