@@ -8,5 +8,5 @@ ANALYSIS = Analysis(
     records=("derivatives", "uncertainty"),
     phase="derivatives",
     uses_body=True,
-    goes_with=("cyclic symmetry", "exact contacts"),
+    goes_with=("cyclic symmetry", "heat", "exact contacts"),
 )

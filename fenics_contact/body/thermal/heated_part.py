@@ -100,6 +100,20 @@ class HeatedPart:
         """
         self._field.x.array[:] = self._projection.of_nodes(rise).x.array
 
+    def work_on_rise(self, stress: Expr) -> ufl.Form:
+        """Work of a stress on the strain of a rise that was found, in the rise's projection.
+
+        Args:
+            stress: In UFL, (3, 3).
+        """
+        rise = ufl.TestFunction(self._projection.space)
+        strain = self.scalar / self.spaces.size * rise * self._directions
+        return self.spaces.weight * ufl.inner(stress, strain) * self.measure
+
+    def onto_nodes(self, values: Array) -> Array:
+        """From values at the dofs of a rise's projection to its nodes: as ``transposed`` there."""
+        return self._projection.transposed(values)
+
     def take_field(self, described: HeatedGroup) -> None:
         """Take a temperature that varies in another way in space; collective.
 

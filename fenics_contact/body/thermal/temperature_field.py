@@ -19,6 +19,9 @@ class CellProjection:
 
     By least squares on the reference cell, so that a polynomial of that degree stays what it is.
 
+    Attributes:
+        space: Of the projections.
+
     Args:
         spaces: Those of the body.
         cells: Of this rank; in all others fields are 0.
@@ -27,9 +30,9 @@ class CellProjection:
     def __init__(self, spaces: Spaces, cells: Integers) -> None:
         mesh = spaces.body.mesh
         self._spaces, self._cells = spaces, cells
-        self._space = fem.functionspace(mesh, ("DG", spaces.degree - 1))
+        self.space = fem.functionspace(mesh, ("DG", spaces.degree - 1))
         self._points, weights = compat.quadrature_rule(mesh, spaces.bulk_degree)
-        table = _table(self._space.ufl_element(), self._points)
+        table = _table(self.space.ufl_element(), self._points)
         weighted = table.T * weights
         self._onto = np.linalg.solve(weighted @ table, weighted)
 
@@ -45,15 +48,37 @@ class CellProjection:
     def of_places(self, values: Array) -> fem.Function:
         """The projection of values at ``places``."""
         found = values.reshape(len(self._cells), len(self._points))
-        function = fem.Function(self._space)
-        function.x.array[self._space.dofmap.list[self._cells]] = found @ self._onto.T
+        function = fem.Function(self.space)
+        function.x.array[self.space.dofmap.list[self._cells]] = found @ self._onto.T
         return function
 
     def of_nodes(self, nodal: Array) -> fem.Function:
         """The projection of a field by its values at the nodes of the displacements, (nodes,)."""
-        space = self._spaces.displacement_space
-        table = _table(space.ufl_element().sub_elements[0], self._points)
-        return self.of_places(nodal[space.dofmap.list[self._cells]] @ table.T)
+        nodes = self._spaces.displacement_space.dofmap.list[self._cells]
+        return self.of_places(nodal[nodes] @ self._of_nodes.T)
+
+    def transposed(self, values: Array) -> Array:
+        """From values at the dofs of projections to those at the nodes, by own cells alone.
+
+        Args:
+            values: At the dofs of this rank.
+
+        Returns:
+            At the nodes of this rank, each with the share of this rank's cells, (nodes,).
+        """
+        body = self._spaces.body
+        owned = body.mesh.topology.index_map(body.dimension).size_local
+        cells = self._cells[self._cells < owned]
+        by_cell = values[self.space.dofmap.list[cells]] @ self._onto @ self._of_nodes
+        found = np.zeros(len(self._spaces.coordinates))
+        np.add.at(found, self._spaces.displacement_space.dofmap.list[cells], by_cell)
+        return found
+
+    @property
+    def _of_nodes(self) -> Array:
+        """From values at the nodes of a cell to those at its points, (points, nodes)."""
+        element = self._spaces.displacement_space.ufl_element().sub_elements[0]
+        return _table(element, self._points)
 
 
 def temperatures_at(given: Temperature, places: Array, key: str, spaces: Spaces) -> Array:

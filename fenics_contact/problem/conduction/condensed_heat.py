@@ -8,6 +8,7 @@ matrix of these nodes, and one solve inside the bodies.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
@@ -55,7 +56,6 @@ class CondensedHeat:
         self._matrix = csr_matrix(self._folded[self._free][:, self._free])
         self._has_datum = self._parts_with_datum()
         self._least = _NOTHING * abs(bodies.matrix).max()
-        self._factor: LocalFactor | None = None
         self._load: tuple[tuple[float, Disturbance | None], Array, Array] | None = None
 
     def solve(self, time: float, paired: Sequence[PairedHeat], weighted: Sequence[Array]) -> Array:
@@ -69,30 +69,62 @@ class CondensedHeat:
         Raises:
             InputError: Nothing says which temperature a body has.
         """
-        conducted = [
-            csr_matrix(pair.points.T.multiply(weights) @ pair.points)
-            for pair, weights in zip(paired, weighted, strict=True)
-        ]
+        conducted = self._conducted(paired, weighted)
         self._require_datum(paired, conducted)
-        if self._factor is None:
-            self._factor = self._factorised()
         load, condensed = self._load_at(time)
         rise = np.zeros(self._bodies.count)
         given, held = self._bodies.given_at(time)
         rise[given] = held
-        whole, moves = self._of_contacts(paired, conducted), self._moves
+        return self._solved(rise, load, condensed, self._of_contacts(paired, conducted))
+
+    def solve_for(
+        self, heat: Array, paired: Sequence[PairedHeat], weighted: Sequence[Array]
+    ) -> Array:
+        """Rise of all nodes by heat alone, none where a temperature is given (temperature).
+
+        Args:
+            heat: That flows into all nodes (power).
+            paired: As of ``solve``.
+            weighted: Likewise.
+        """
+        load = (self._following.T @ heat)[self._free]
+        whole = self._of_contacts(paired, self._conducted(paired, weighted))
+        rise = np.zeros(self._bodies.count)
+        return self._solved(rise, load, self._at_free_surfaces(load), whole)
+
+    def _conducted(
+        self, paired: Sequence[PairedHeat], weighted: Sequence[Array]
+    ) -> list[csr_matrix]:
+        """Matrix of each contact's conductance between its slave's nodes (power/temperature)."""
+        return [
+            csr_matrix(pair.points.T.multiply(weights) @ pair.points)
+            for pair, weights in zip(paired, weighted, strict=True)
+        ]
+
+    def _solved(self, rise: Array, load: Array, condensed: Array, whole: Array) -> Array:
+        """Rise of all nodes (temperature).
+
+        Args:
+            rise: Of nodes where it is given, 0 elsewhere (temperature).
+            load: Heat that flows into the free nodes (power).
+            condensed: The same, condensed onto the surfaces (power).
+            whole: As ``_of_contacts`` gives it.
+        """
+        moves, factored = self._moves, self._factored
         right = condensed - whole[moves][:, ~moves] @ rise[self._surfaces[~moves]]
         found = np.zeros(len(self._free))
         try:
-            factor = cho_factor(self._factor.schur + whole[moves][:, moves])
+            factor = cho_factor(factored.schur + whole[moves][:, moves])
         except LinAlgError:
             raise _no_datum() from None
         found[self._at_surfaces] = cho_solve(factor, right)
-        inside = self._factor.solve(load - self._matrix @ found)
+        inside = factored.solve(load - self._matrix @ found)
         rise[self._free] = found + inside
         return np.asarray(self._following @ rise)
 
-    def _factorised(self) -> LocalFactor:
+    @cached_property
+    def _factored(self) -> LocalFactor:
+        """The bodies' matrix, factorised and condensed onto the surfaces."""
         size = len(self._free)
         found = LocalFactor(
             self._matrix, self._at_surfaces, mumps.fastest(self._bodies.is_plane, size)
@@ -105,15 +137,18 @@ class CondensedHeat:
         """Heat that flows into the free nodes, and the same condensed onto the surfaces (power)."""
         bodies = self._bodies
         if self._load is None or self._load[0] != (time, bodies.disturbance):
-            assert self._factor is not None
             rise = np.zeros(bodies.count)
             given, held = bodies.given_at(time)
             rise[given] = held
             taken_in = self._following.T @ bodies.taken_in(time)
             load = (taken_in - self._folded @ rise)[self._free]
-            left = load - self._matrix @ self._factor.solve(load)
-            self._load = (time, bodies.disturbance), load, left[self._at_surfaces]
+            self._load = (time, bodies.disturbance), load, self._at_free_surfaces(load)
         return self._load[1:]
+
+    def _at_free_surfaces(self, load: Array) -> Array:
+        """Heat into the free nodes, condensed onto the surfaces (power)."""
+        left = load - self._matrix @ self._factored.solve(load)
+        return np.asarray(left[self._at_surfaces])
 
     def _of_contacts(self, paired: Sequence[PairedHeat], conducted: Sequence[csr_matrix]) -> Array:
         """Dense matrix of contacts' conductances between surface nodes (power/temperature)."""

@@ -8,8 +8,9 @@ again, until nothing changes. What is iterated on are the pressures, accelerated
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -231,6 +232,35 @@ class Conduction:
         Raises:
             InputError: On every rank; nothing says which temperature a body has.
         """
+
+        def solve(condensed: CondensedHeat, *contacts: Any) -> Array:
+            return condensed.solve(self.time, *contacts)
+
+        return np.asarray(self._of_root(solve, pressures)[self.bodies.numbers])
+
+    def answer_to(self, heat: Array, states: Sequence[ContactState]) -> Array:
+        """Rise of all nodes by heat alone, at conductances that are held; collective.
+
+        Args:
+            heat: That flows into all nodes of all ranks, (nodes,) (power).
+            states: Of all contacts, whose pressures say what they conduct.
+
+        Returns:
+            Of all nodes of all ranks, (nodes,) (temperature).
+        """
+
+        def solve(condensed: CondensedHeat, *contacts: Any) -> Array:
+            return condensed.solve_for(heat, *contacts)
+
+        pressures = [state.contact_pressure for state in self.states_of(states)]
+        return self._of_root(solve, pressures)
+
+    def _of_root(self, solve: Callable[..., Array], pressures: Sequence[Array]) -> Array:
+        """What the first rank solves for at pressures, on every rank; collective.
+
+        Raises:
+            FenicsContactError: On every rank, what it raises.
+        """
         paired = [one.paired for one in self.contacts]
         weighted = [
             one.weighted(one.conductances(pressure))
@@ -240,17 +270,20 @@ class Conduction:
         error: FenicsContactError | None = None
         if self._condensed is not None:
             try:
-                whole = self._condensed.solve(self.time, paired, weighted)
+                whole = solve(self._condensed, paired, weighted)
             except FenicsContactError as caught:
                 error = caught
         raise_together(self._comm, error)
-        every: Array = from_root(self._comm, np.zeros(0) if whole is None else whole)
-        return np.asarray(every[self.bodies.numbers])
+        return np.asarray(from_root(self._comm, np.zeros(0) if whole is None else whole))
 
     @property
     def _whole(self) -> Array:
         """Rise of all nodes of all ranks, (nodes,); collective (temperature)."""
         return self._of_all_nodes(self.rise)
+
+    def number_of(self, one: HeatOfContact) -> int:
+        """The number among all contacts of one that conducts."""
+        return self._numbers[self.contacts.index(one)]
 
     def _of_all_nodes(self, values: Array | Integers) -> Array:
         """Values of all nodes of all ranks by those of this rank's nodes; collective."""
@@ -264,10 +297,18 @@ class Conduction:
 
         At this rank's points, 0 where no heat can cross (temperature).
         """
-        found, every = [], self._whole
+        return self.steps_of(self._whole)
+
+    def steps_of(self, every: Array) -> list[Array]:
+        """The same of other temperatures.
+
+        Args:
+            every: Rise of all nodes of all ranks, (nodes,) (temperature).
+        """
+        found, mine = [], every[self.bodies.numbers]
         for one in self.contacts:
             pair, trace = one.paired, one.contact.trace
-            own, whole = self.rise[trace.all_nodes], np.zeros(len(pair.active))
+            own, whole = mine[trace.all_nodes], np.zeros(len(pair.active))
             whole[pair.active] = pair.opposite(every)
             there = whole[trace.surface.numbers]
             step = trace.at_points((there - own)[:, None])[:, 0]
@@ -319,7 +360,7 @@ class Conduction:
         Returns:
             By the contact's number, what flows into all nodes of all ranks, (nodes,) (power).
         """
-        return self._over(states, self.steps())
+        return self.over(states, self.steps())
 
     def by_unit_steps(self, states: Sequence[ContactState]) -> dict[int, Array]:
         """Heat that would cross each contact if its slave were colder by one degree everywhere.
@@ -332,10 +373,15 @@ class Conduction:
         Returns:
             By the contact's number, what flows into all nodes of all ranks, (nodes,) (power).
         """
-        return self._over(states, [one.faces.astype(float) for one in self.contacts])
+        return self.over(states, [one.faces.astype(float) for one in self.contacts])
 
-    def _over(self, states: Sequence[ContactState], steps: Sequence[Array]) -> dict[int, Array]:
-        """Heat into all nodes by steps of temperature at the points; collective."""
+    def over(self, states: Sequence[ContactState], steps: Sequence[Array]) -> dict[int, Array]:
+        """Heat into all nodes by steps of temperature at the points; collective.
+
+        Args:
+            states: Of all contacts, whose pressures say how much crosses.
+            steps: Of each contact that conducts, at this rank's points, (points,) (temperature).
+        """
         found = {}
         for number, one, step in zip(self._numbers, self.contacts, steps, strict=True):
             pair, heat = one.paired, np.zeros(self.bodies.count)

@@ -60,6 +60,7 @@ class GivenFlow:
         on: The boundary.
         nodal: The same at all nodes of all ranks (power).
         path: Over pseudo-time.
+        table: Number of the heat in the scene.
     """
 
     inward: Expr
@@ -67,6 +68,7 @@ class GivenFlow:
     on: Group
     nodal: Array
     path: Callable[[float], float]
+    table: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +135,7 @@ class HeatOfBodies:
         self.flows: list[GivenFlow] = []
         self.films: list[FilmOn] = []
         for number, heat in enumerate(scene.heat):
-            film = self._place(heat, f"heat[{number}]", trial)
+            film = self._place(heat, number, trial)
             if film is not None:
                 self.matrix += self._whole(form_cache.form(film))
         self.follows = np.zeros(self.count, dtype=bool)
@@ -175,8 +177,9 @@ class HeatOfBodies:
                     f"those of '{cut.given.against}', turned; give the same ones on both"
                 )
 
-    def _place(self, heat: Heat, key: str, trial: Expr) -> ufl.Form | None:
+    def _place(self, heat: Heat, number: int, trial: Expr) -> ufl.Form | None:
         """Take in what a boundary has, and return what it adds to the matrix; collective."""
+        key = f"heat[{number}]"
         spaces, path = self._spaces, KeyedPath(heat.path, f"{key}.path")
         group = spaces.body.boundary(heat.on, f"{key}.on")
         measure, nodes = spaces.boundary(group), spaces.nodes(group)
@@ -191,20 +194,21 @@ class HeatOfBodies:
         if heat.film is None:
             assert heat.flux is not None
             values = spaces.evaluate(heat.flux, nodes, f"{key}.flux")
-            self._take_in(spaces.coefficient(values, nodes), heat.flux, group, path)
+            self._take_in(spaces.coefficient(values, nodes), heat.flux, group, path, number)
             return None
         coefficient = heat.film.coefficient
         inward = coefficient * (heat.film.temperature - self._reference)
         if inward != 0:
-            self._take_in(ufl.as_ufl(inward), inward, group, path)
+            self._take_in(ufl.as_ufl(inward), inward, group, path, number)
         self.films.append(FilmOn(coefficient, group))
         film: ufl.Form = spaces.weight * coefficient * trial * self._test * measure
         return film
 
-    def _take_in(self, inward: Expr, given: Value, on: Group, path: KeyedPath) -> None:
+    def _take_in(self, inward: Expr, given: Value, on: Group, path: KeyedPath, table: int) -> None:
         """Add what a boundary takes in, over area; collective."""
         work = self._spaces.weight * inward * self._test * self._spaces.boundary(on)
-        self.flows.append(GivenFlow(inward, given, on, self.nodal(form_cache.form(work)), path))
+        nodal = self.nodal(form_cache.form(work))
+        self.flows.append(GivenFlow(inward, given, on, nodal, path, table))
 
     def _whole(self, form: fem.Form) -> csr_matrix:
         """A matrix of all ranks, with the nodes' numbers over all of them; collective."""
@@ -238,8 +242,24 @@ class HeatOfBodies:
 
         Without those that follow across a cut. Where boundaries meet, the first one counts.
         """
-        numbers = [np.zeros(0, dtype=np.int64), *(one.numbers for one in self.given)]
+        found, first, _ = self._counted
         rises = [np.zeros(0), *(one.path(time) * one.rise for one in self.given)]
+        return found, np.concatenate(rises)[first]
+
+    def nodes_of_given(self, number: int) -> Integers:
+        """Numbers of nodes whose rise is that of one of ``given``.
+
+        Args:
+            number: Of the boundary there.
+        """
+        found, _, owner = self._counted
+        return np.asarray(found[owner == number])
+
+    @property
+    def _counted(self) -> tuple[Integers, Integers, Integers]:
+        """Numbers of nodes with a given rise, their places in all of ``given``, and in which."""
+        numbers = [np.zeros(0, dtype=np.int64), *(one.numbers for one in self.given)]
+        owner = np.repeat(np.arange(len(self.given)), [len(one) for one in numbers[1:]])
         found, first = np.unique(np.concatenate(numbers), return_index=True)
         moves = ~self.follows[found]
-        return found[moves], np.concatenate(rises)[first[moves]]
+        return found[moves], first[moves], owner[first[moves]]

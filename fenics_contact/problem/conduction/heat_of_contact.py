@@ -173,6 +173,16 @@ class HeatOfContact:
             return np.asarray(float(given) * touches)
         return given.at(pressure)
 
+    def conductance_slopes(self, pressure: Array) -> Array:
+        """Slope of the conductance over the pressure at the points of this rank.
+
+        Args:
+            pressure: At the points (stress).
+        """
+        given = self.contact.contact.conductance
+        found = given.slope_at(pressure) if isinstance(given, Conductance) else 0.0 * pressure
+        return np.asarray(found)
+
     def weighted(self, conductance: Array) -> Array:
         """Conductance times area at the points of all ranks, in their order; collective."""
         own = (conductance * self.contact.trace.weights)[self._own]

@@ -96,3 +96,21 @@ class Conductance:
             pressure: At points, (points,) (stress).
         """
         return np.interp(pressure, self.pressures, self.values)
+
+    def slope_at(self, pressure: Array) -> Array:
+        """Slope of the conductance at contact pressures, at a knot that beyond it.
+
+        Args:
+            pressure: At points, (points,) (stress).
+        """
+        slopes = np.append(np.diff(self.values) / np.diff(self.pressures), 0.0)
+        return np.asarray(slopes[np.searchsorted(self.pressures, pressure, side="right") - 1])
+
+    def shares_at(self, number: int, pressure: Array) -> Array:
+        """How much of one of the values is in the conductance at contact pressures.
+
+        Args:
+            number: Of the value.
+            pressure: At points, (points,) (stress).
+        """
+        return np.interp(pressure, self.pressures, np.eye(len(self.values))[number])

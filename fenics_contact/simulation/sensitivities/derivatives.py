@@ -23,6 +23,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.scene.loading.load_paths import moduli_change
 from fenics_contact.simulation.sensitivities.adjoints import AnswerAdjoint, adjoint_of
 from fenics_contact.simulation.sensitivities.gradients import gradient_of
+from fenics_contact.simulation.sensitivities.heat_adjoint import HeatAdjoint, HeatGradient
 from fenics_contact.simulation.sensitivities.quantity_gradients import StateGradient
 from fenics_contact.simulation.sensitivities.scene_changes import Change, SceneChanges
 from fenics_contact.simulation.sensitivities.scene_values import numbers_of
@@ -48,6 +49,10 @@ class QuantityGradient:
         self._problem, self._step, self._adjoint = adjoint.problem, step, adjoint.condensed
         self._energy, self._resultant = state.energy, state.resultant
         self._springs = state.springs
+        self._heat: HeatGradient | None = None
+        if self._problem.conduction is not None:
+            heat = HeatAdjoint(self._problem, step.solution)
+            state, self._heat = heat.settled(state, adjoint.of)
         self.multipliers, self.contacts = adjoint.of(state)
 
     def along(self, change: Change) -> float:
@@ -72,6 +77,10 @@ class QuantityGradient:
             found += self._along_springs(place, forces(self._step.solution.displacement)[owned])
         if change.modulus is not None:
             found += self._along_modulus(*change.modulus)
+        if change.heat is not None:
+            assert self._heat is not None
+            by_heat = change.heat(self._heat)
+            found += by_heat if problem.comm.rank == 0 else 0.0
         itself = 0.0
         if change.of_resultants and self._resultant is not None:
             itself = change.of_resultants * self._resultant()
@@ -169,10 +178,6 @@ def derivatives(
 
 def require_adjoint(problem: Problem) -> None:
     """Refuse what has no derivatives: laws that do not say theirs, bodies that follow answers."""
-    if problem.conduction is not None:
-        raise InputError(
-            "derivatives: temperatures that conduction finds follow the answer, which has none yet"
-        )
     if moduli_change(problem.scene):
         raise InputError(
             "derivatives: moduli follow temperatures that change between load steps, which has "
@@ -225,6 +230,11 @@ def that_count(problem: Problem, steps: Sequence[AcceptedStep]) -> list[Accepted
     follows |= any(unknown.keeps_last for unknown in problem.unknowns)
     if not follows or len(steps) == 1:
         return [last]
+    if problem.conduction is not None:
+        raise InputError(
+            "derivatives: where temperatures are found, answers that depend on load steps before "
+            "the last one have none yet; take one step"
+        )
     if any(one.paired_at is not None for step in steps for one in step.contacts):
         raise InputError(
             "derivatives: what faces what of two bodies was found anew between load steps, which "

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -25,9 +26,11 @@ from fenics_contact.problem.loads.temperatures import ThermalStrain
 from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_kinds import Resultant, Shortening
 from fenics_contact.problem.scalar_unknown import BodyScalar
+from fenics_contact.scene.loading.heat import Conductance
 from fenics_contact.scene.loading.load_kinds import slope_of
 from fenics_contact.scene.obstacle import Obstacle
 from fenics_contact.scene.values import AXES, Value
+from fenics_contact.simulation.sensitivities.heat_adjoint import HeatGradient
 from fenics_contact.simulation.sensitivities.scene_values import found_in, numbered, value_under
 
 _OF_PROFILES = "of a profile, only the values have"
@@ -54,6 +57,7 @@ class Change:
         springs: Number of a foot of ``Problem.feet`` → how forces of its springs on the body
             change with a displacement of the body, (nodes, components); collective.
         of_resultants: What forces and energies change by, over themselves, with all else the same.
+        heat: The derivative that a gradient in what conduction is given has by it; collective.
     """
 
     load: Array | None = None
@@ -65,6 +69,7 @@ class Change:
     modulus: tuple[int, str] | None = None
     springs: Mapping[int, Callable[[Array], Array]] = field(default_factory=dict)
     of_resultants: float = 0.0
+    heat: Callable[[HeatGradient], float] | None = None
 
     def added(self, other: Change) -> Change:
         """Return the sum with another change, of supports and of scalars alone."""
@@ -119,6 +124,7 @@ class SceneChanges:
             "spring": self._of_joint,
             "temperature": self._of_temperature,
             "material": self._of_material,
+            "heat": self._of_heat,
         }
         if group not in kinds:
             raise _refused(
@@ -268,6 +274,40 @@ class SceneChanges:
             key, "value", [one for one in self._thermal_strains if one.table == number]
         )
 
+    def _of_heat(self, key: str, number: int, rest: list[str]) -> Change:
+        """The change by a temperature or a flux of a boundary that is one number."""
+        scene, conduction = self.problem.scene, self.problem.conduction
+        assert conduction is not None
+        heat, bodies, at = scene.heat[number], conduction.bodies, conduction.time
+        if rest == ["temperature"]:
+            place = sum(one.temperature is not None for one in scene.heat[:number])
+            nodes, share = bodies.nodes_of_given(place), bodies.given[place].path(at)
+            return Change(heat=lambda gradient: share * float(gradient.by_rise[nodes].sum()))
+        if rest == ["flux"] and heat.flux:
+            place = next(n for n, one in enumerate(bodies.flows) if one.table == number)
+            flow = bodies.flows[place]
+            unit = flow.path(at) / float(heat.flux) * flow.nodal  # type: ignore[arg-type]
+            return Change(heat=lambda gradient: float(gradient.by_heat @ unit))
+        raise _refused(key, "of heat, temperatures and fluxes have that are one number, not 0")
+
+    def _of_conductance(self, key: str, number: int, rest: list[str]) -> Change:
+        """The change by a conductance, or by one of the values of its table."""
+        contact, conduction = self.problem.contacts[number], self.problem.conduction
+        assert conduction is not None
+        place = next(n for n, one in enumerate(conduction.contacts) if one.contact is contact)
+        given = contact.contact.conductance
+        if isinstance(given, Conductance) and rest[:1] == ["values"]:
+            shares = partial(given.shares_at, int(rest[1]))
+        elif rest:
+            raise _refused(key, "of a conductance, the values have")
+        else:
+            assert isinstance(given, float | int)
+            one, size = conduction.contacts[place], float(given)
+            if size == 0:
+                raise _refused(key, "where nothing is conducted, it has none")
+            shares = partial(_share_of, one.conductances, size)
+        return Change(heat=lambda gradient: gradient.along_conductance(place, shares))
+
     def _of_strains(self, key: str, name: str, strains: Sequence[ThermalStrain]) -> Change:
         """The change by a number on which thermal strains depend."""
         if self.problem.elastic.follows_temperature and name != "thermal_expansion":
@@ -333,6 +373,8 @@ class SceneChanges:
         scene, name = contact.contact, ".".join(rest)
         if rest[0] == "obstacle":
             return self._of_obstacle(key, number, rest[1:])
+        if rest[0] == "conductance":
+            return self._of_conductance(key, number, rest[1:])
         if name == "interference":
             path = contact.paths.interference_factor(self.time)
             here = GivenChange(gap=np.full(len(contact.trace.weights), -path), interference=path)
@@ -489,6 +531,11 @@ def _is_smooth(obstacle: Obstacle, name: str) -> bool:
     if obstacle.file is not None:
         return name == "position"
     return shape is not None and not (shape.has_edge and name == "radius")
+
+
+def _share_of(conductances: Callable[[Array], Array], size: float, pressure: Array) -> Array:
+    """Conductances at pressures over the number that they are given by."""
+    return conductances(pressure) / size
 
 
 def _unit(key: str, value: Value, rest: list[str]) -> Value:
