@@ -180,8 +180,8 @@ def require_adjoint(problem: Problem) -> None:
     """Refuse what has no derivatives: laws that do not say theirs, bodies that follow answers."""
     if moduli_change(problem.scene):
         raise InputError(
-            "derivatives: moduli follow temperatures that change between load steps, which has "
-            "none yet; give one load step"
+            "derivatives: moduli follow temperatures that are found, or that change between load "
+            "steps, which has none yet"
         )
     for contact in problem.contacts:
         for law in contact.laws:

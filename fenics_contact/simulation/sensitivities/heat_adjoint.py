@@ -77,10 +77,10 @@ class HeatAdjoint:
     def __init__(self, problem: Problem, solution: Solution) -> None:
         assert problem.conduction is not None
         elastic = problem.elastic
-        if elastic.mixed is not None or elastic.follows_temperature:
+        if elastic.mixed is not None:
             raise InputError(
-                "derivatives: where temperatures are found, nearly incompressible materials and "
-                "moduli that follow the temperature have none yet"
+                "derivatives: where temperatures are found, nearly incompressible materials have "
+                "none yet"
             )
         if not all(isinstance(one, ThermalStrain) for one in problem.body_scalars):
             raise InputError(
