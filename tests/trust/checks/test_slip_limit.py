@@ -229,12 +229,14 @@ def test_a_ring_pushed_along_its_axis():
     assert list(parts.values()) == [pytest.approx(expected, rel=1e-6)]
 
 
-def test_a_block_turned_about_the_normal_of_the_floor():
-    """A square of side 1 turns at μ p times the mean distance from its middle, .382598."""
-    turn = 0.6 * 0.5 * 10 * 0.382598  # of the limit; ∫ r² over the square is 1/6
+@pytest.mark.parametrize(("sides", "mean"), [((1, 1), 0.382598), ((4, 2), 1.186467)])
+def test_a_block_turned_about_the_normal_of_the_floor(sides, mean):
+    """It turns at μ p A times the mean distance from its middle, .382598 of a square of side 1."""
+    long, wide = sides
+    turn = 0.6 * 0.5 * 10 * mean * 12 / (long**2 + wide**2)  # of the limit; ∫ r² = A (a² + b²)/12
     traction = (
-        lambda x: -6 * turn * (x[1] - 0.5),
-        lambda x: 6 * turn * (x[0] - 0.5),
+        lambda x: -turn * (x[1] - wide / 2),
+        lambda x: turn * (x[0] - long / 2),
         0.0,
     )
     scene = block(
@@ -243,7 +245,7 @@ def test_a_block_turned_about_the_normal_of_the_floor():
         load=(Load("z1", pressure=10), Load("z1", traction=traction)),
         contact=(Contact("z0", obstacle=Obstacle("plane"), friction_coefficient=0.5),),
     )
-    result = run(scene, COMM, body=box_body((3, 3, 2), (1, 1, 0.6)))
+    result = run(scene, COMM, body=box_body((3 * long, 3 * wide, 2), (long, wide, 0.6)))
     (of_contact,), parts = shares(result)
     assert of_contact == pytest.approx(0.6, rel=1e-2)
     assert list(parts.values()) == [pytest.approx(of_contact, rel=1e-9)]
