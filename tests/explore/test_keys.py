@@ -7,15 +7,18 @@ from mpi4py import MPI
 
 from fenics_contact import (
     Contact,
+    Coupling,
     Load,
     NormalCompliance,
     Obstacle,
     Path,
     Preload,
     Profile,
+    Spring,
     Steps,
     Study,
     Support,
+    SupportAxes,
     Units,
     load_scene,
 )
@@ -166,3 +169,30 @@ def test_every_number_of_every_demo_can_be_found_by_its_key():
 def test_preloads_are_moved():
     scene = dataclasses.replace(slab(), preload=(Preload("bolt", (1, 0), 40),))
     assert ranges(scene)["preload.0.force"] == (20, 60)
+
+
+def test_couplings_springs_and_frames_are_moved():
+    """Springs, which make another body, when they are asked for; a wall that is at 0, likewise."""
+    held = (
+        Support("left", normal=0.0),
+        Support("bottom", foundation_stiffness={"y": 50.0}, axes=SupportAxes(x=(0.8, 0.6))),
+    )
+    scene = dataclasses.replace(
+        slab(),
+        support=held,
+        load=(Load("right", force=(3.0, 0.0), at=(4.0, 1.0)),),
+        coupling=(Coupling("right", kind="distributing", name="end", moment=2.0),),
+        spring=(Spring(("end", "ground"), {"x": 100.0}, gap=0.1),),
+    )
+    chosen = ranges(scene)
+    assert chosen["load.0.force.0"] == (1.5, 4.5) and chosen["coupling.0.moment"] == (1, 3)
+    asked = {
+        "spring.0.stiffness.x": True,
+        "spring.0.gap": True,
+        "support.1.foundation_stiffness.y": True,
+        "support.0.normal": False,
+        "load.0.at.1": False,
+    }
+    assert not set(asked) & set(chosen)
+    found = moved_keys(study(scene), {key: (0.01, 0.2) for key in asked})
+    assert {one.key: one.makes_anew for one in found} == asked
