@@ -64,9 +64,10 @@ def test_a_bar_is_pulled_and_bent(solver):
     assert pulled.quantities["strain_energy"] == pytest.approx(500 * end.displacement[0], rel=1e-10)
     assert pulled.quantities["external_work"] == pytest.approx(1000 * end.displacement[0], rel=1e-9)
     bent = bar(solver, moment=(0, 1e5, 0)).couplings[0]
-    assert bent.rotation == pytest.approx([0, 1e5 * LENGTH / (E * INERTIA), 0], rel=1e-9, abs=1e-9)
-    sag = 1e5 * LENGTH**2 / (2 * E * INERTIA)
-    assert bent.displacement == pytest.approx([0, 0, -sag], rel=1e-8, abs=1e-8)
+    near = 1e-9 if solver == "iterative" else 1e-10
+    turn, sag = 1e5 * LENGTH / (E * INERTIA), 1e5 * LENGTH**2 / (2 * E * INERTIA)
+    assert bent.rotation == pytest.approx([0, turn, 0], rel=near, abs=near * turn)
+    assert bent.displacement == pytest.approx([0, 0, -sag], rel=near, abs=near * sag)
 
 
 def test_a_beam_with_a_force_at_its_tip():

@@ -81,7 +81,7 @@ def sphere_cap():
 def test_in_space_they_are_what_is_given(degree, given, expected):
     scene = block(Load("x1", **given), discretisation=Discretisation(degree))
     found = resultants(scene, box_body((3, 4, 2), (1, 2, 3)), given.get("at", (0, 0, 0)))
-    assert found == pytest.approx(expected, abs=2e-12 * np.abs(expected).max() * 10)
+    assert found == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
 
 
 def test_on_a_curved_side_they_are_what_is_given():
