@@ -8,6 +8,7 @@ from fenics_contact.verification.calculix.rings import CALCULIX_RING_CASES
 from fenics_contact.verification.case import Case, Finding, Outcome
 from fenics_contact.verification.cells import CELLS_CASES
 from fenics_contact.verification.exact import EXACT_CASES
+from fenics_contact.verification.exact_limits import EXACT_LIMIT_CASES
 from fenics_contact.verification.memory_check import MEMORY_CASES
 from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
 from fenics_contact.verification.published.cycle import CYCLE_CASES, WEAR_CASES, WEAR_LIMIT_CASES
@@ -68,6 +69,7 @@ CASES: tuple[Case, ...] = (
     *TEMPERATURE_CASES,
     *HEAT_CASES,
     *EXACT_CASES,
+    *EXACT_LIMIT_CASES,
     *WEAR_CASES,
     *WEAR_LIMIT_CASES,
     *FRETTING_CASES,
