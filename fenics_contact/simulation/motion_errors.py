@@ -78,7 +78,7 @@ Again = Callable[[Scene, Body | None], Result]
 Errors = dict[Hashable, float]
 
 
-class _NotHadError(FenicsContactError):
+class NotHadError(FenicsContactError):
     """There is no such estimate."""
 
 
@@ -148,13 +148,13 @@ class MotionErrors:
     def _by_mesh(self) -> Errors:
         """With half the step as well: cells of half the size alone would be passed too fast."""
         if not is_of_order_1(self._body.mesh):
-            raise _NotHadError("cells with curved sides are not halved")
+            raise NotHadError("cells with curved sides are not halved")
         return self._apart(self._with_half_the_step, halved_body(self._spaces), _SAFETY * _OF_CELLS)
 
     def _by_parameter(self, name: str) -> Errors:
         other = with_reduced(self._scene, self._contacts, name)
         if other is None:
-            raise _NotHadError("it varies over a contact")
+            raise NotHadError("it varies over a contact")
         if other == self._scene:
             return {}
         return self._apart(other, self._body, FACTOR)
@@ -168,7 +168,7 @@ class MotionErrors:
         """How far another answer is from the one found, times a factor."""
         result = self._again(scene, body)
         if not result.converged:
-            raise _NotHadError("the motion with less of it did not converge")
+            raise NotHadError("the motion with less of it did not converge")
         other = _values(result.steps[-1])
         return {
             key: factor * float(np.linalg.norm(np.subtract(value, other[key])))
@@ -182,7 +182,7 @@ def _if_it_fits(estimate: Callable[[], Errors]) -> Errors:
     try:
         return estimate()
     except MachineError as error:
-        raise _NotHadError(str(error)) from error
+        raise NotHadError(str(error)) from error
 
 
 def _values(step: StepRecord) -> dict[Hashable, Any]:

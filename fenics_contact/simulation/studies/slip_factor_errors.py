@@ -20,7 +20,7 @@ from fenics_contact.problem.curved_sides import halved_body
 from fenics_contact.results.records.contacts import ContactRecord
 from fenics_contact.results.result import Result
 from fenics_contact.scene.scene import Scene
-from fenics_contact.simulation.motion_errors import FACTOR, with_reduced
+from fenics_contact.simulation.motion_errors import FACTOR, NotHadError, with_reduced
 from fenics_contact.trust.slip_factor import SlipFactor
 
 # Of a difference to half the cells: errors of first order, as beside edges of slip, and for what
@@ -76,9 +76,8 @@ class SlipFactorErrors:
         return {**row, "total": sum(known) if len(known) == len(row) else None}
 
     def _by_mesh(self) -> float | None:
-        """Unknown with cells that have curved sides, which are not halved."""
         if not is_of_order_1(self._body.mesh):
-            return None
+            raise NotHadError("cells with curved sides are not halved")
         return self._apart(self._scene, halved_body(self._spaces), _OF_CELLS)
 
     def _by_parameter(self, name: str) -> float | None:
