@@ -103,6 +103,7 @@ class EnergyBalance:
         self.left_open = 0.0
         self.changed = False
         self._cycle: tuple[_Mark | None, _Mark | None] = None, None  # its begin and its end
+        self._stress = np.zeros(0)  # the mean stress of the last step, where it is an unknown
         inertia = problem.inertia
         first, motions = inertia.first, _with_turns(inertia.motions)
         self._before: InternalForces | None = None
@@ -193,19 +194,26 @@ class EnergyBalance:
         """−∫ σ : dε of strains free of stress that temperatures have changed in a step; collective.
 
         By the trapezoidal rule, with what a unit of a scalar does to the body before and after:
-        its forces c and stiffness D, ½ q (c' − c) · (u + u') + ½ q² (D' − D).
+        its forces c and stiffness D, ½ q (c' − c) · (u + u') + ½ q² (D' − D); with a mean stress s
+        as an unknown, and what a unit does to it, ½ q (m' − m) · (s + s') besides.
         """
         if self._problem.elastic.follows_temperature:
             return [self._energy_of_moduli(forces)]
         before, last = self._place_before(self._before), self._on_scalars
         now = [one.forces_on_body for one in self._problem.body_scalars]
         self._on_scalars = now
-        own, works = slice(self._problem.spaces.owned_nodes), []
+        own, works, stress = slice(self._problem.spaces.owned_nodes), list[float](), self._stress
+        mixed = self._problem.elastic.mixed
+        self._stress = np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy()
+        squeezed = self._stress + (stress if len(stress) else 0.0)
         for old, new, state in zip(last, now, forces.solution.scalars, strict=True):
             if old is new:
                 continue
             moved = np.asarray(before + forces.displacement)[own]
-            done = float(total(self._problem.comm, np.sum((new.nodal - old.nodal)[own] * moved)))
+            there = slice(new.owned_stresses)
+            by_stress = (new.on_mean_stress - old.on_mean_stress)[there] @ squeezed[there]
+            by_forces = np.sum((new.nodal - old.nodal)[own] * moved)
+            done = float(total(self._problem.comm, float(by_forces + by_stress)))
             stored = state.value * (new.stiffness - old.stiffness)
             works.append(0.5 * state.value * (done + stored))
         return works

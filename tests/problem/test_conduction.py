@@ -120,6 +120,22 @@ def test_heat_follows_its_path():
     assert middles == pytest.approx([60, 30], rel=1e-9)
 
 
+def test_energies_balance_of_a_nearly_incompressible_block_that_gets_warm():
+    """Its mean stress, an unknown of its own, does work on the thermal strain as well."""
+    made = Scene(
+        kinematics="plane strain",
+        material=replace(STEEL, poissons_ratio=0.499),
+        support=(Support("x0", {"x": 0.0, "y": 0.0}), Support("x1", {"x": 0.0})),
+        heat=(Heat("x0", temperature=0), Heat("x1", temperature=50)),
+        steps=Steps(2),
+        solver=SolverSettings(errors="none"),
+    )
+    found = run(made, COMM, box_body((6, 2), (LENGTH, HEIGHT)))
+    assert found.passed, found.verdict
+    assert found.checks["energy_balance"].value < 1e-9
+    assert abs(found.quantities["external_work"]) > 0
+
+
 def test_bars_that_press_the_more_the_better_they_conduct():
     made, body = conducting_bars((120, 20), 0.05)
     found = run(made, COMM, body)
