@@ -34,6 +34,13 @@ def test_it_balances_or_is_refused(number):
     assert not outcome.balance.faults, random
 
 
+@pytest.mark.parametrize("number", range(4))
+def test_bodies_that_conduct_are_answered_or_refused(number):
+    random = with_errors(draw_kind("conducting", SEED, number), "none")
+    outcome = outcome_of(random)
+    assert outcome.code in (0, 2), f"{outcome.words}\n{random!r}"
+
+
 def test_a_stiff_fit_on_springs_balances():
     """Penalties begin with forces of 1e6 times what acts: one step leaves 4e-4 of that."""
     solved, result = _solved(drawn(112))

@@ -99,8 +99,8 @@ def _like(random, parts):
 
 
 def test_all_kinds_come_in_turn():
-    found = [draw_any(SEED, number) for number in range(24)]
-    assert found == [draw_any(SEED, number) for number in range(24)]
+    found = [draw_any(SEED, number) for number in range(32)]
+    assert found == [draw_any(SEED, number) for number in range(32)]
     assert len({random.kind for random in found}) >= len(KINDS)
     finer = found[0].refined()
     assert finer.parts[0].cells == tuple(2 * count for count in found[0].parts[0].cells)

@@ -18,7 +18,7 @@ from tests.random.kinds.cycles import cycle
 from tests.random.kinds.driven import two_driven
 from tests.random.kinds.frictionless import frictionless
 from tests.random.kinds.half_spaces import half_space
-from tests.random.kinds.heated import heated
+from tests.random.kinds.heated import conducting, heated
 from tests.random.kinds.inclines import incline
 from tests.random.kinds.layers import layers
 from tests.random.kinds.quarters import quarter
@@ -52,6 +52,7 @@ KINDS = {
     "assembly": assembly,
     "coupled": coupled,
     "heated": heated,
+    "conducting": conducting,
 }
 _OTHERS = 4  # one scene in so many is of the kinds of tests.random.scenes
 

@@ -161,7 +161,8 @@ def made(
 
 def completed(dice: Dice, random: RandomScene) -> RandomScene:
     """With a solver, mostly the automatic one, and now and then a point whose way is asked for."""
-    solvers = ["auto", "auto", "auto", "condensed", "full"]
+    last = "condensed" if random.scene.heat else "full"
+    solvers = ["auto", "auto", "auto", "condensed", last]
     settings = dataclasses.replace(
         random.scene.solver,
         solver=dice.of(*solvers),

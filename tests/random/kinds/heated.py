@@ -15,10 +15,14 @@ from typing import Any
 import numpy as np
 
 from fenics_contact import (
+    Conductance,
     Contact,
     Coupling,
+    Film,
+    Heat,
     Load,
     Material,
+    ModulusTable,
     Obstacle,
     Path,
     Preload,
@@ -360,3 +364,75 @@ def _ring(dice: Dice) -> RandomScene:
         temperature=(draft.temperature("hub", linear=False, sign=-1),),
     )  # fmt: skip
     return dataclasses.replace(found, closed=("shaft", "hub"))
+
+
+def conducting(dice: Dice) -> RandomScene:
+    """Bodies in touch whose temperatures conduction finds together with the pressures."""
+    found = dice.of(_row, _row, _stack, _stack, _fit)(dice)
+    scene, names = found.scene, [part.name for part in found.parts]
+    reference = scene.material[0].reference_temperature
+    strain = dice.logarithmic(1e-5, 2e-3)
+    alpha = max(np.abs(one.thermal_expansion).max() for one in scene.material) or 1e-5
+    rise, softens = short(strain / alpha), dice.chance(20)
+    pressure = scene.material[0].youngs_modulus * strain
+    contacts = tuple(
+        contact
+        if contact.against is None or dice.chance(10)
+        else dataclasses.replace(contact, conductance=_conductance(dice, pressure))
+        for contact in scene.contact
+    )
+    low, high = ("x0", "x1") if found.kind == "heated: row" else ("y0", "y1")
+    if scene.dimension == 3 and low == "y0":
+        low, high = "z0", "z1"
+    heat = [_bound(dice, f"{names[0]}.{low}", reference, rise, is_datum=True)]
+    heat += [_bound(dice, f"{name}.{high}", reference, rise, is_datum=True) for name in names[1:]]
+    if dice.chance(30) and len(names) == 1:
+        heat.append(_bound(dice, f"{names[0]}.{high}", reference, rise, is_datum=False))
+    made = dataclasses.replace(
+        scene,
+        material=tuple(
+            _that_conducts(dice, one, reference, rise if softens else 0.0) for one in scene.material
+        ),
+        contact=contacts,
+        temperature=(),
+        heat=tuple(heat),
+    )
+    kind = found.kind.replace("heated", "conducting")
+    return dataclasses.replace(found, kind=kind, scene=made, must_be="", stress=None)
+
+
+def _that_conducts(dice: Dice, one: Material, reference: float, soft: float) -> Material:
+    """A material that conducts, and is softer by this rise of the temperature, if by any."""
+    modulus: Any = one.youngs_modulus
+    if soft:
+        modulus = ModulusTable(
+            (reference - abs(soft), reference + abs(soft)), (modulus, short(0.6 * modulus))
+        )
+    return dataclasses.replace(
+        one,
+        youngs_modulus=modulus,
+        conductivity=short(dice.logarithmic(0.01, 100)),
+        reference_temperature=reference,
+    )
+
+
+def _conductance(dice: Dice, pressure: float) -> Any:
+    """A number, or one that grows with the pressure, or falls."""
+    size = dice.logarithmic(0.01, 100)
+    if dice.chance(30):
+        return short(size)
+    least = dice.of(0.0, 0.0, 0.1, 2.0)
+    values = tuple(short(size * share) for share in (least, 0.6, 1.0))
+    return Conductance((0.0, short(0.3 * pressure), short(2 * pressure)), values)
+
+
+def _bound(dice: Dice, on: str, reference: float, rise: float, is_datum: bool) -> Heat:
+    """A temperature or a film, which say how warm a body is, or a flux."""
+    path, hot = dice.of(_PATHS[0], *_PATHS), short(reference + rise * dice.between(-1, 1))
+    kind = dice.of("temperature", "temperature", "film") if is_datum else "flux"
+    if kind == "temperature":
+        return Heat(on, temperature=hot, path=path)
+    if kind == "film":
+        film = Film(coefficient=short(dice.logarithmic(0.01, 10)), temperature=hot)
+        return Heat(on, film=film, path=path)
+    return Heat(on, flux=short(rise * dice.logarithmic(0.01, 10)), path=path)
