@@ -23,7 +23,7 @@ from fenics_contact.solve.globalisation import (
 )
 from fenics_contact.solve.initial_guess import Beginning
 from fenics_contact.solve.newton_failure import lost_in_roundoff, runaway
-from fenics_contact.solve.snes_solve import SnesSolve
+from fenics_contact.solve.snes_solve import IN_FULL, IN_FULL_AT_LAST_STEP, SnesSolve
 from fenics_contact.solve.systems.solution import Solution
 from fenics_contact.solve.systems.system import System
 
@@ -82,6 +82,7 @@ class Newton(SnesSolve):
             NotConvergedError: In words, with the history of the force imbalance.
         """
         self._hopeless, self._is_held, self._cuts_growth = hopeless, is_held, is_held
+        self._in_full = IN_FULL_AT_LAST_STEP if self.begin.continues else IN_FULL
         self._tolerance = tolerance or self.problem.scene.solver.tolerance
         self._searches = self._one_sided if search_energy is None else search_energy
         self._search = ENERGY_SEARCH
@@ -199,6 +200,7 @@ class Newton(SnesSolve):
         They are cut where the imbalance would grow. Whether an answer is found does not matter.
         """
         self._searches, self._springs, self._cuts_growth = False, None, True
+        self._in_full = IN_FULL_AT_LAST_STEP if self.begin.continues else IN_FULL
         self._tolerance, self._most = self.problem.scene.solver.tolerance, most
         try:
             self._solve_a_little()

@@ -58,8 +58,9 @@ _PATIENCE = 3
 # Newton steps from which is noted what contact points do, for who reads that it failed.
 _LONG = 12
 
-# Steps with friction that are taken in full, whatever the imbalance after them.
-_IN_FULL = 8
+# Steps with friction that are taken in full, whatever the imbalance after them: of a solve from
+# afar, and of one that goes on from a load step.
+IN_FULL, IN_FULL_AT_LAST_STEP = 8, 0
 
 
 class SnesSolve:
@@ -106,6 +107,7 @@ class SnesSolve:
         self._search: dict[str, Any] = ENERGY_SEARCH
         self._springs: SpringControl | None = None
         self._cuts_growth = False
+        self._in_full = IN_FULL
         self._hopeless: Callable[[int], int] | None = None
         self._most: int | None = None
         self._fewest = 0
@@ -244,13 +246,16 @@ class SnesSolve:
         return share < 1.0
 
     def _damp_or_cut(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
-        """Cut a full step under which the imbalance would grow; the first ones never; collective.
+        """Cut a full step under which the imbalance would grow; collective.
 
-        Many points open and close in the first steps, which full ones find soonest; later ones can
-        go round in circles. Contact and friction together have no energy, but what they do along a
-        step tells how far it leads as well: friction takes a part of the work that pressures do.
+        The first ones never, of a solve from afar: many points open and close in these, which full
+        steps find soonest; later ones can go round in circles. From a load step that was solved,
+        its statuses are nearly those of the next one, which full steps leave.
+
+        Contact and friction together have no energy, but what they do along a step tells how far it
+        leads as well: friction takes a part of the work that pressures do.
         """
-        is_late = len(self.imbalances) - self._before > _IN_FULL
+        is_late = len(self.imbalances) - self._before > self._in_full
         if is_late and self._imbalance_after(state, step) > self.imbalances[-1]:
             return self._cut(state, step)
         return self._damp(state, step)
