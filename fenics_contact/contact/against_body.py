@@ -57,6 +57,7 @@ class BodyKinematics(ContactKinematics):
 
     def _face(self) -> None:
         self._known_ends: dict[tuple[int, int], float] = {}
+        self._jumps_of_body = None
         pairing = self.pairing
         self.trace.turn(pairing.normals, pairing.centre_normals)
         counts = self.trace.count(pairing.shares)

@@ -7,6 +7,7 @@ for a second deformable body, and nowhere else.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from functools import cached_property
 from typing import ClassVar
 
@@ -75,6 +76,23 @@ class ContactKinematics(ABC):
         self.interference, self.worn = 0.0, np.zeros(len(trace.weights))
         self._places = trace.coordinates
         self._at_points: Array | None = None
+        self._jumps_of_body: Array | None = None
+
+    def jumps_of_body(self, motions: Callable[[], Array]) -> Array:
+        """Jumps at the points in the rigid motions of the body's parts; collective.
+
+        Found once for what faces what.
+
+        Args:
+            motions: Gives them at the body's nodes of this rank, (nodes, components, motions)
+                (length).
+
+        Returns:
+            (points, components, motions) (length).
+        """
+        if self._jumps_of_body is None:
+            self._jumps_of_body = self.trace.at_points(self.relative(motions()))
+        return self._jumps_of_body
 
     @abstractmethod
     def relative(self, displacement: Array) -> Array:

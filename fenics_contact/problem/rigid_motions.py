@@ -158,7 +158,7 @@ class RigidMotions:
     def jumps(self, contact: ContactSurface) -> Array:
         """Jumps at the points of a contact in each motion, (points, components, count)."""
         if contact not in self._jumps:
-            moved = contact.trace.at_points(contact.kinematics.relative(self._fields)) @ self._body
+            moved = contact.kinematics.jumps_of_body(lambda: self._fields) @ self._body
             of_obstacles = self._of_obstacles(contact) @ self._obstacles
             self._jumps[contact] = moved + contact.trace.at_points(of_obstacles)
         return self._jumps[contact]

@@ -30,6 +30,8 @@ from fenics_contact.body.materials import Moduli
 from fenics_contact.common import dolfinx_versions as compat
 from fenics_contact.common.errors import NoEquilibriumError
 from fenics_contact.common.parallel import largest, on_root
+from fenics_contact.problem.problem import Problem
+from fenics_contact.problem.rigid_motions import RigidMotions
 from fenics_contact.verification.boxes import Box, boxes
 from tests.contact.shuffled import Shuffled
 from tests.messages import refused
@@ -517,6 +519,22 @@ def test_the_end_of_a_body_opposite_is_found_once_until_it_is_paired_anew(monkey
     moved[contact.trace.all_nodes, 0] = 0.02
     kinematics.update_pairing(moved)
     assert place(0.02) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_rigid_motions_jump_where_something_is_faced_now():
+    """The body opposite ends at x = 1, which points move beyond."""
+    scene = pressed(contact=touching(slave="on", friction_coefficient=0.5))
+    body = boxes((LOWER, Box("upper", (0.43, 0), (1.53, 1), (11, 5))))
+    problem = Problem.on_mesh(scene, body)
+    contact = problem.contacts[0]
+    x = contact.trace.coordinates[:, 0]
+    for moved in (0.0, 0.3):
+        shift = np.zeros((len(problem.spaces.coordinates), 2))
+        shift[contact.trace.all_nodes, 0] = moved
+        contact.kinematics.update_pairing(shift)
+        jumps = np.abs(RigidMotions(problem).jumps(contact)).max(axis=(1, 2))
+        assert (jumps[x + moved < 0.89] > 0.1).all()
+        assert (jumps[x + moved > 1.11] < 1e-12).all()
 
 
 def test_slave_is_the_covered_surface_and_not_the_much_finer_one():
