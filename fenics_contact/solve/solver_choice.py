@@ -28,6 +28,7 @@ from fenics_contact.solve.at_points.point_laws import why_not
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
 from fenics_contact.solve.condensed.elimination import pays
+from fenics_contact.solve.glued_system import GluedSystem, is_glueable
 from fenics_contact.solve.iterative.contact_zone import cannot_be_carried
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
 from fenics_contact.solve.near_system import NearSystem
@@ -61,6 +62,10 @@ _DENSE = {"condensed": 60.0, "full": 0.0, "iterative": 0.0}
 _ELIMINATED = {"condensed": 14.0, "full": 0.0, "iterative": 0.0}
 _COUPLED = {"condensed": 0.0, "full": 75.0, "iterative": 0.0}
 
+# Jumps from which S is not formed; with all bodies glued, its factor over those of the bodies, and
+# the zone at the contacts in bytes over jumps (measured).
+_MOST_JUMPS, _GLUED, _ZONE_AT_JUMPS = 10_000, 0.65, 20_000.0
+
 # Error bars: bytes for every dof of every cell, of the local problems (measured in space:
 # 470-700).
 _ERROR_BARS = {2: 150.0, 3: 500.0}
@@ -83,8 +88,10 @@ def memory_terms(problem: Problem, name: Name, is_kept: bool = False) -> dict[st
     matrix = _matrix(problem)
     near = [None] * len(acting_sides(problem)) if is_kept else near_nodes(problem)
     every, acted_on = condensed_onto(problem, near)
+    is_glued = name == "condensed" and not is_kept and solves_glued(problem, near)
     between = _between_ranks(problem)
     dense = _DENSE[name] * acted_on**2 + _ELIMINATED[name] * ((every + between) ** 2 - acted_on**2)
+    dense = _ZONE_AT_JUMPS * acted_on if is_glued else dense
     terms = {
         "program": _PROGRAM * problem.comm.size,
         "mesh": _CELL * _cells(problem) + _UNKNOWN * count,
@@ -98,7 +105,7 @@ def memory_terms(problem: Problem, name: Name, is_kept: bool = False) -> dict[st
         return terms | {"multigrid": _MULTIGRID * matrix, "zone": _ZONE * contact}
     return terms | {
         "matrix": _COPIES * matrix,
-        "factor": 8 * _WORKSPACE * _factor_entries(problem, name),
+        "factor": (_GLUED if is_glued else 1.0) * 8 * _WORKSPACE * _factor_entries(problem, name),
     }
 
 
@@ -154,6 +161,16 @@ def contact_unknowns(problem: Problem) -> int:
     Those that contacts share count once.
     """
     return condensed_onto(problem, [None] * len(acting_sides(problem)))[0]
+
+
+def solves_glued(problem: Problem, near: Sequence[NearNodes | None]) -> bool:
+    """Whether S is so large that it is applied, and not formed; collective.
+
+    Args:
+        problem: The problem.
+        near: The nodes of each contact that can touch.
+    """
+    return condensed_onto(problem, near)[1] > _MOST_JUMPS and is_glueable(problem, near)
 
 
 def condensed_onto(problem: Problem, near: Sequence[NearNodes | None]) -> tuple[int, int]:
@@ -371,6 +388,8 @@ def create_system(
     if choice.name == "condensed":
         body = condense and condense(problem, timings)
         near = near_nodes(problem) if body is None else []
+        if body is None and solves_glued(problem, near):
+            return GluedSystem(problem, timings, near)
         return (
             NearSystem(problem, timings, near)
             if any(near)

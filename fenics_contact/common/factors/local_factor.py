@@ -33,12 +33,13 @@ class LocalFactor:
 
     Attributes:
         matrix: As given.
+        size: Number of its rows.
         schur: The Schur complement, dense (kept, kept) (force/length).
         error: What went wrong on this rank, or None.
     """
 
     def __init__(self, matrix: csr_matrix, kept: Integers, chosen: mumps.Factorisation) -> None:
-        self.matrix, self._kept = matrix, kept
+        self.matrix, self._kept, self.size = matrix, kept, matrix.shape[0]
         self._preconditioner: PETSc.PC = None
         self._right: PETSc.Vec = None
         self._solved: PETSc.Vec = None
@@ -80,6 +81,10 @@ class LocalFactor:
     def forget_schur(self) -> None:
         """Keep the Schur complement no longer, which is large."""
         self.schur = np.zeros((0, 0))
+
+    def forget_matrix(self) -> None:
+        """Keep the matrix no longer: the factor serves no other one."""
+        self.matrix = csr_matrix((0, 0))
 
     def serves(self, matrix: csr_matrix, kept: Integers) -> bool:
         """Whether it is the factor of another matrix, too, but for round-off.

@@ -159,10 +159,12 @@ class MassFactor:
         mass: D, symmetric with a positive diagonal, (nodes, nodes) (area).
 
     Attributes:
+        mass: As given.
         parts: Number of the connected part of D that each node belongs to, (nodes,).
     """
 
     def __init__(self, mass: csr_matrix) -> None:
+        self.mass = mass
         # Nodes at the border of the covered part have little mass.
         self._scale = 1 / np.sqrt(mass.diagonal())
         scaling = diags_array(self._scale)
@@ -218,6 +220,15 @@ class NodalProjection:
     def times(self, matrix: csr_matrix) -> NodalProjection:
         """P times a matrix of the displacements of master nodes over others, in their place."""
         return NodalProjection(self._factor, self._rows, csr_matrix(self._coupling @ matrix))
+
+    @property
+    def equations(self) -> tuple[csr_matrix, Integers, csr_matrix] | None:
+        """P v = u as the sparse equations D q = M v, u = q at the rows; None where P is 0.
+
+        Returns:
+            D, of each row its number among q (−1 where P is 0), and M.
+        """
+        return None if self._factor is None else (self._factor.mass, self._rows, self._coupling)
 
     def apply(self, values: Array) -> Array:
         """P v, (slave nodes, ...), of values (master nodes, ...)."""

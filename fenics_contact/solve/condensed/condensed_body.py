@@ -22,7 +22,7 @@ from fenics_contact.problem.motion_states import StepStiffness
 from fenics_contact.problem.scalar_unknown import PrescribedDisplacement, ScalarUnknown
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads, LoadsOfBody
 from fenics_contact.solve.condensed.constant_tangent import OfSchur
-from fenics_contact.solve.condensed.elimination import ReducedSchur, stiffness_of
+from fenics_contact.solve.condensed.elimination import Eliminated, ReducedSchur, stiffness_of
 from fenics_contact.solve.condensed.kept_rows import BodyRows
 from fenics_contact.solve.condensed.part_factors import KnownFactors
 from fenics_contact.solve.condensed.scalar_border import CondensedScalars
@@ -98,7 +98,7 @@ class CondensedBody:
         step: StepStiffness | None = None,
         near: Sequence[NearNodes | None] | None = None,
     ) -> None:
-        self.discrete = discrete
+        self.discrete, self._known = discrete, factors
         self._constrained, self.sides = constrained, tuple(sides)
         self._moves = step is not None
         self._columns = None if step is None else step.scalars
@@ -107,13 +107,14 @@ class CondensedBody:
         self.dofs = ContactDofs(discrete.spaces, constrained, sides, near, discrete.cut)
         self.held = self.stiffness.held(self.dofs.constrained)
         with timings.phase("factorise"):
-            known = (self.stiffness, self.held, self.dofs.free)
-            bulk = (
-                CondensedBulk(*known, factors)
-                if schur is None
-                else BulkWithoutFactor(*known, schur(self.dofs), factors)
-            )
-            self._take(bulk)
+            self._take(self._make_bulk(None if schur is None else (schur(self.dofs),)))
+
+    def _make_bulk(self, schur: tuple[Array | None] | None) -> CondensedBulk:
+        """The bulk, whose S may be known: on rank 0, None on others; collective."""
+        known = (self.stiffness, self.held, self.dofs.free)
+        if schur is None:
+            return CondensedBulk(*known, self._known)
+        return BulkWithoutFactor(*known, *schur, self._known)
 
     def _take(self, bulk: CondensedBulk) -> None:
         """Work out all that follows from a factorisation and is remembered; collective."""
@@ -231,7 +232,7 @@ class CondensedBody:
 
     def give_up(
         self, variables: ContactVariables, acted_on: Flags
-    ) -> OfSchur | ReducedSchur | None:
+    ) -> OfSchur | Eliminated | None:
         """Return S between unknowns and forget it, as it is large; see ``of_unknowns``.
 
         Of other unknowns it is found again from what was returned last.

@@ -5,7 +5,7 @@ Two bodies that slide over each other are paired again: then these are others, o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,7 +18,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.problem.scalar_unknown import ScalarUnknown
 from fenics_contact.solve.condensed.condensed_body import CondensedBody, ScalarLoad
 from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
-from fenics_contact.solve.condensed.elimination import KeptUnknowns, ReducedSchur
+from fenics_contact.solve.condensed.elimination import Eliminated, KeptUnknowns
 from fenics_contact.solve.condensed.split_solver import SplitSolver
 from fenics_contact.solve.condensed.tangent import ContactTangent, UnknownsTangent
 from fenics_contact.solve.condensed.unknowns import ContactVariables
@@ -209,6 +209,7 @@ class CondensedContacts:
         surfaces: Tangents of the contacts in scene order; None of those that exert no forces.
         scalar_loads: What a unit of each scalar unknown does to the bulk.
         ends_with_body: Whether S is for these contacts alone, and may be given up with them.
+        make_tangent: Makes the tangent of all unknowns but the body's scalars.
     """
 
     def __init__(
@@ -218,7 +219,9 @@ class CondensedContacts:
         surfaces: Sequence[SurfaceMatrix | None],
         scalar_loads: Sequence[ScalarLoad],
         ends_with_body: bool,
+        make_tangent: Callable[[ConstantTangent, Integers], UnknownsTangent] = UnknownsTangent,
     ) -> None:
+        self._make_tangent = make_tangent
         self._problem, self._body, self._scalar_loads = problem, body, scalar_loads
         # The scalars of the body come last.
         count = len(problem.unknowns) - len(problem.body_scalars)
@@ -229,7 +232,10 @@ class CondensedContacts:
         springs = self._springs(variables, points)
         acted_on = self._acted_on(variables, points, springs)
         schur = self._schur(variables, acted_on, ends_with_body)
-        self.kept = KeptUnknowns(problem.comm, variables, schur, body.scalars.condensed)
+        scalars = body.scalars
+        self.kept = KeptUnknowns(
+            problem.comm, variables, schur, scalars.condensed, scalars.at_contacts
+        )
         self.size = self.kept.count + count
         self._place = np.full(variables.count, -1)
         self._place[self.kept.numbers] = np.arange(self.kept.count)
@@ -273,26 +279,26 @@ class CondensedContacts:
 
     def _schur(
         self, variables: ContactVariables, acted_on: Flags, ends_with_body: bool
-    ) -> OfSchur | ReducedSchur | None:
+    ) -> OfSchur | Eliminated | None:
         """S between the unknowns, on rank 0; that of a body of its own is given up with it."""
         find = self._body.give_up if ends_with_body else self._body.of_unknowns
         return find(variables, acted_on)
 
-    def _tangent(self, schur: OfSchur | ReducedSchur | None) -> ContactTangent | None:
+    def _tangent(self, schur: OfSchur | Eliminated | None) -> ContactTangent | None:
         """A on rank 0, with what scalars do to the contact dofs through the bulk."""
         if schur is None:
             return None
         kept, count = self.kept, len(self._unknowns)
-        own = schur.own if isinstance(schur, ReducedSchur) else schur
+        own = schur.own if isinstance(schur, Eliminated) else schur
         self._stiffness = schur.diagonal  # of springs: eliminated masters would make it soft
         nodes = self._body.dofs.free[kept.numbers] // self._problem.spaces.components
         condensed = [kept.load(load.condensed).own for load in self._scalar_loads[:count]]
         columns = -np.array(condensed).reshape(count, kept.count).T
         corner = np.array([unknown.own for unknown in self._unknowns])
         derived = kept.variables.derived[:, kept.numbers]
-        constant = ConstantTangent(own.matrix, columns, corner, derived, own)
+        constant = ConstantTangent(columns, corner, derived, own)
         return ContactTangent(
-            UnknownsTangent(constant, nodes), self._body.scalars.border(kept, self.size)
+            self._make_tangent(constant, nodes), self._body.scalars.border(kept, self.size)
         )
 
     def follow_scalars(self, scalar_loads: Sequence[ScalarLoad]) -> None:
@@ -302,7 +308,8 @@ class CondensedContacts:
             scalar_loads: What a unit of each scalar unknown does to the bulk.
         """
         self._scalar_loads = scalar_loads
-        self.kept.take_scalars(self._body.scalars.condensed)
+        scalars = self._body.scalars
+        self.kept.take_scalars(scalars.condensed, scalars.at_contacts)
         if self.tangent is not None:
             self.tangent.border = self._body.scalars.border(self.kept, self.size)
 

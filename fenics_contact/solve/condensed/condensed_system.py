@@ -8,7 +8,7 @@ asks for the displacement of the body.
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import ClassVar
 
@@ -17,7 +17,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.parallel import from_root
 from fenics_contact.common.timings import Timings
 from fenics_contact.contact.contact_surface import ContactSurface
@@ -28,8 +28,13 @@ from fenics_contact.solve.condensed.adjoint import CondensedAdjoint
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_contacts import CondensedContacts, ContactJump
 from fenics_contact.solve.condensed.condensed_loads import PresentLoads
+from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
 from fenics_contact.solve.condensed.split_solver import LEFT, LEFT_AT_MOST, SplitSolver
-from fenics_contact.solve.condensed.tangent import ContactTangent, TangentOperator
+from fenics_contact.solve.condensed.tangent import (
+    ContactTangent,
+    TangentOperator,
+    UnknownsTangent,
+)
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.solution import BodyAnswer, FindBody, LazyDisplacement
 from fenics_contact.solve.systems.system import System
@@ -60,6 +65,7 @@ class CondensedSystem(System):
     name = "condensed"
     repeats_cheaply: ClassVar = True
     options: ClassVar = {"ksp_type": "preonly"}
+    _make_tangent: Callable[[ConstantTangent, Integers], UnknownsTangent] = UnknownsTangent
 
     def __init__(
         self, problem: Problem, timings: Timings, body: CondensedBody | None = None
@@ -101,7 +107,7 @@ class CondensedSystem(System):
         """The contacts over the unknowns, and their tangent; collective."""
         self.version += 1
         known = self.problem, self.body, self._surfaces, self._scalar_loads
-        self._contacts = CondensedContacts(*known, ends_with_body=self._is_own)
+        self._contacts = CondensedContacts(*known, self._is_own, self._make_tangent)
         self._dense = self._contacts.tangent
         self._count = self._contacts.kept.count
         self._present: PresentLoads | None = None
@@ -258,7 +264,8 @@ class CondensedSystem(System):
             return
         self._present = present
         self._held_parts = self._contacts.held_parts(present.held)
-        self._condensed = self._contacts.kept.load(present.condensed)
+        moved = self.body.bulk.moved(present.load)
+        self._condensed = self._contacts.kept.load(present.condensed, moved)
 
     @property
     def _loads(self) -> PresentLoads:
@@ -338,9 +345,22 @@ class CondensedSystem(System):
         if not self.comm.allreduce(same, op=MPI.LAND):
             self.take(state)
         self._contacts.linearise(springs, near)
-        left = _left_by_a_step(self.imbalance(), self.given_forces or self.forces or 1.0)
+        left = self._left_by_a_step(self.imbalance(), self.given_forces or self.forces or 1.0)
         if self._dense is not None:
             self._dense.newton_left = left
+
+    def _left_by_a_step(self, imbalance: float, forces: float) -> float:
+        """Share of the imbalance that the linear solve of a Newton step may leave.
+
+        A step gains no more than what the imbalance is off by; and what it leaves is to be little
+        beside the loads, of which a bad start may be many times out of balance.
+
+        Args:
+            imbalance: Before the step (force).
+            forces: Those of loads, or what stands for them (force).
+        """
+        off = imbalance / forces
+        return float(np.clip(min(off, LEFT_AT_MOST / (off or 1.0)), LEFT, LEFT_AT_MOST))
 
     def linearise_truly(self, near: SplitSolver | None = None) -> None:
         """Set the tangent of an answer in whose state the system is; collective.
@@ -487,15 +507,3 @@ def acting_sides(problem: Problem) -> list[ContactSides]:
     return [contact.sides for contact in problem.contacts if contact.forces.terms]
 
 
-def _left_by_a_step(imbalance: float, forces: float) -> float:
-    """Share of the imbalance that the linear solve of a Newton step may leave.
-
-    A step gains no more than what the imbalance is off by; and what it leaves is to be little
-    beside the loads, of which a bad start may be many times out of balance.
-
-    Args:
-        imbalance: Before the step (force).
-        forces: Those of loads, or what stands for them (force).
-    """
-    off = imbalance / forces
-    return float(np.clip(min(off, LEFT_AT_MOST / (off or 1.0)), LEFT, LEFT_AT_MOST))

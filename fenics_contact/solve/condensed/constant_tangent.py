@@ -107,7 +107,7 @@ class ConstantTangent:
     """A = [[S, C], [0, D]] of displacements and scalars, or its transpose; and z = R y.
 
     Attributes:
-        schur: S, symmetric and positive semi-definite, (displacements, displacements).
+        of_schur: S, symmetric and positive semi-definite.
         columns: C: what the scalars do to the displacements' rows, (displacements, scalars).
         rows: What the displacements do to the scalars' rows, (scalars, displacements): nothing,
             but in the transpose.
@@ -118,28 +118,27 @@ class ConstantTangent:
         width: That of displacements, scalars and derived jumps.
 
     Args:
-        schur: S, up to round-off; it is made symmetric in place.
         columns: C.
         corner: Diagonal of D.
         derived: R.
-        of_schur: What was worked out of S before, where that is kept.
+        of_schur: S, and what was worked out of it before.
     """
 
     def __init__(
-        self,
-        schur: Array,
-        columns: Array,
-        corner: Array,
-        derived: Array,
-        of_schur: OfSchur | None = None,
+        self, columns: Array, corner: Array, derived: Array, of_schur: OfSchur
     ) -> None:
         self.count, scalars = columns.shape
         self.size = self.count + scalars
         self.width = self.size + len(derived)
-        self.of_schur = of_schur or OfSchur(schur)
-        self.schur, self.columns, self.corner, self.derived = schur, columns, corner, derived
+        self.of_schur = of_schur
+        self.columns, self.corner, self.derived = columns, corner, derived
         self.rows = np.zeros((scalars, self.count))
         self.stiffest = self.of_schur.stiffest
+
+    @property
+    def schur(self) -> Array:
+        """S written out, (displacements, displacements)."""
+        return self.of_schur.matrix
 
     @cached_property
     def transposed(self) -> ConstantTangent:

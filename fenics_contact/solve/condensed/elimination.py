@@ -13,6 +13,8 @@ so S' = S_ww − Hᵀ H, H and L say all of S, and S itself is needed no longer.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,14 +37,56 @@ def pays(every: int, rest: int) -> bool:
     return every >= _MANY and rest >= _ENOUGH
 
 
-class ReducedSchur:
-    """S of all unknowns as S', H and L.
+class Eliminated(ABC):
+    """S of all unknowns, from which those that no contact acts on are eliminated.
 
     Attributes:
         kept: Numbers of the unknowns w that are left.
         rest: Those of the unknowns m that are eliminated.
         own: S' of the ones that are left.
-        diagonal: That of S itself, at the ones that are left.
+        diagonal: Stiffness of the body at the ones that are left, for springs.
+    """
+
+    kept: Integers
+    rest: Integers
+    own: OfSchur
+    diagonal: Array
+
+    @abstractmethod
+    def carried(self, forces: Array) -> Array:
+        """What ``every`` is to know of forces on all unknowns, (eliminated,)."""
+
+    @abstractmethod
+    def onto_kept(self, forces: Array, carried: Array) -> Array:
+        """Forces on all unknowns, as those that are left take them.
+
+        Args:
+            forces: f, (unknowns,).
+            carried: As ``carried`` gave it of them.
+        """
+
+    @abstractmethod
+    def work(self, forces: Array, carried: Array, others: Array) -> Array:
+        """f_mᵀ S_mm⁻¹ g_m of forces f, and of several g.
+
+        Args:
+            forces: f, (unknowns,).
+            carried: Of f.
+            others: Of each g, as columns.
+        """
+
+    @abstractmethod
+    def every(self, kept: Array, carried: Array) -> Array:
+        """All unknowns where those that are eliminated are in balance, (unknowns,).
+
+        Args:
+            kept: The ones that are left.
+            carried: Of the forces on all unknowns, as ``carried`` gave it.
+        """
+
+
+class ReducedSchur(Eliminated):
+    """S of all unknowns as S', H and L.
 
     Args:
         schur: S, which is not changed.
@@ -104,21 +148,15 @@ class ReducedSchur:
         return np.asarray(blas.dtrsv(self._factor, forces[self.rest], lower=1))
 
     def onto_kept(self, forces: Array, carried: Array) -> Array:
-        """f_w − Hᵀ L⁻¹ f_m: forces on all unknowns, as those that are left take them.
-
-        Args:
-            forces: f, (unknowns,).
-            carried: As ``carried`` gave it of them.
-        """
+        """f_w − Hᵀ L⁻¹ f_m; as of any elimination."""
         return np.asarray(forces[self.kept] - carried @ self._half)
 
-    def every(self, kept: Array, carried: Array) -> Array:
-        """All unknowns where those that are eliminated are in balance, (unknowns,).
+    def work(self, forces: Array, carried: Array, others: Array) -> Array:
+        """(L⁻¹ f_m)ᵀ L⁻¹ g_m; as of any elimination."""
+        return np.asarray(carried @ others)
 
-        Args:
-            kept: The ones that are left.
-            carried: Of the forces on all unknowns, as ``carried`` gave it.
-        """
+    def every(self, kept: Array, carried: Array) -> Array:
+        """w, and L⁻ᵀ (L⁻¹ f_m − H w); as of any elimination."""
         found = np.empty(len(self.kept) + len(self.rest))
         found[self.kept] = kept
         left = carried - self._half @ kept
@@ -170,46 +208,64 @@ class KeptUnknowns:
         schur: S between them, on rank 0.
         scalar_forces: What a unit of each of the body's scalars does to the free contact dofs, on
             rank 0 (force/length).
+        scalars_move: How it moves them, as of ``load``.
     """
 
     def __init__(
         self,
         comm: MPI.Comm,
         variables: ContactVariables,
-        schur: OfSchur | ReducedSchur | None,
+        schur: OfSchur | Eliminated | None,
         scalar_forces: list[Array],
+        scalars_move: Sequence[Array | None],
     ) -> None:
         self._comm, self.variables = comm, variables
-        self._reduced = schur if isinstance(schur, ReducedSchur) else None
+        self._reduced = schur if isinstance(schur, Eliminated) else None
         own = None if self._reduced is None else self._reduced.kept
         own = from_root(comm, own)
         self.numbers: Integers = np.arange(variables.count) if own is None else own
         self.count = len(self.numbers)
         self._is_reduced = own is not None
-        self.take_scalars(scalar_forces)
+        self.take_scalars(scalar_forces, scalars_move)
 
-    def take_scalars(self, scalar_forces: list[Array]) -> None:
+    def take_scalars(
+        self, scalar_forces: list[Array], scalars_move: Sequence[Array | None]
+    ) -> None:
         """Work out what the body's scalars do to the unknowns.
 
         Args:
             scalar_forces: What a unit of each does to the free contact dofs, on rank 0.
+            scalars_move: How it moves them there, as of ``load``.
         """
         eliminated = 0 if self._reduced is None else len(self._reduced.rest)
-        self._of_scalars = np.zeros((eliminated, len(scalar_forces)))  # L⁻¹ C of those eliminated
-        loads = [self.load(forces) for forces in scalar_forces]
+        self._of_scalars = np.zeros((eliminated, len(scalar_forces)))  # carried of −C
+        pairs = list(zip(scalar_forces, scalars_move, strict=True))
+        loads = [self.load(*pair) for pair in pairs]
         self.columns = -np.array([one.own for one in loads]).reshape(len(loads), self.count).T
         for number, one in enumerate(loads):
             self._of_scalars[:, number] = -one.carried
-        self.corner = self._of_scalars.T @ self._of_scalars
+        work = [-self.load(*pair).on_scalars for pair in pairs]
+        self.corner = np.array(work).reshape(len(loads), len(loads))
 
-    def load(self, forces: Array) -> KeptLoad:
-        """Forces on the free contact dofs, on rank 0, as the unknowns take them (force)."""
+    def load(self, forces: Array, moved: Array | None = None) -> KeptLoad:
+        """Forces on the free contact dofs, on rank 0, as the unknowns take them (force).
+
+        Args:
+            forces: What is condensed onto them.
+            moved: How it moves those that are eliminated, where it is condensed onto the others
+                alone; None where nothing moves (length).
+        """
         every, carried = self.variables.forces(forces), np.zeros(0)
-        own = every[self.numbers]
+        own, on_scalars = every[self.numbers], np.zeros(self._of_scalars.shape[1])
         if self._reduced is not None:
-            carried = self._reduced.carried(every)
-            own = self._reduced.onto_kept(every, carried)
-        return KeptLoad(own, carried, carried @ self._of_scalars)
+            if moved is not None:
+                every[self._reduced.rest] = 0.0
+                carried = moved[self._reduced.rest]
+            else:
+                carried = self._reduced.carried(every)
+                own = self._reduced.onto_kept(every, carried)
+            on_scalars = self._reduced.work(every, carried, self._of_scalars)
+        return KeptLoad(own, carried, on_scalars)
 
     def unknowns(self, displacements: Array) -> Array:
         """The unknowns of displacements of the free contact dofs (length)."""

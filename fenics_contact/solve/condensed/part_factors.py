@@ -91,7 +91,7 @@ class RankFactor:
         self._is_own = known is None  # then its factors end with it
         self._known = KnownFactors() if known is None else known
         before = self._known.made
-        matrix = _without(stiffness.matrix, held)
+        matrix = with_unit_rows(stiffness.matrix, held)
         self._parts = _unknowns_of_parts(stiffness)
         self._at = at = np.zeros(len(held), dtype=bool)
         at[kept] = True
@@ -185,7 +185,7 @@ def _piece(matrix: csr_matrix, unknowns: Integers) -> csr_matrix:
     return found
 
 
-def _without(matrix: csr_matrix, held: Flags) -> csr_matrix:
+def with_unit_rows(matrix: csr_matrix, held: Flags) -> csr_matrix:
     """A sparse matrix with identity rows and columns where displacements are held."""
     found = csr_matrix((matrix.data.copy(), matrix.indices, matrix.indptr), shape=matrix.shape)
     found.data[held[found.indices]] = 0.0

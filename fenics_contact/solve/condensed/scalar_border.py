@@ -30,6 +30,7 @@ class CondensedScalars:
         loads: This rank's share of the forces of a unit of each on its unknowns (force/length).
         nodal: Forces of a unit of each on the displacements, (nodes, components) each.
         condensed: These forces condensed onto the contact dofs, on rank 0 (force/length).
+        at_contacts: How they move the contact dofs meanwhile, as ``CondensedBulk.moved`` gives it.
         corner: D, (scalars, scalars) (force/length).
 
     Args:
@@ -54,9 +55,12 @@ class CondensedScalars:
         self._forces = np.array(shares).reshape(shape)
         self.loads = np.where(held, 0.0, -self._forces)
         condensed, self._moved = np.zeros((0, bulk.count)), np.zeros(shape)
+        moved = None
         if len(self.nodal):
             condensed, self._moved = bulk.condense_and_expand(self.loads)
+            moved = bulk.moved(self.loads)
         self.condensed = list(condensed)
+        self.at_contacts = [None] * len(condensed) if moved is None else list(moved)
         self.corner = np.asarray(total(self._comm, self._forces @ self._moved.T))
         self.corner = self.corner + columns.corner
 
@@ -222,22 +226,30 @@ class BorderedSplit:
 
     def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
         """Product with the whole, as PETSc asks for it."""
-        inner, scalars = np.split(np.array(values.array_r), [self._size])
-        own = self._rows @ inner + self._corner @ scalars
+        given = np.array(values.array_r)
         with result as array:
-            array[:] = np.append(self._split.times(inner) + self._columns @ scalars, own)
+            array[:] = self.with_inner(given, self._split.times(given[: self._size]))
+
+    def with_inner(self, values: Array, inner: Array) -> Array:
+        """Product with the whole of a vector, or of several as columns.
+
+        Args:
+            values: The vector.
+            inner: M times its part.
+        """
+        own, scalars = values[: self._size], values[self._size :]
+        last = self._rows @ own + self._corner @ scalars
+        return np.concatenate([inner + self._columns @ scalars, last])
 
     def apply(self, preconditioner: PETSc.PC, right: PETSc.Vec, solution: PETSc.Vec) -> None:
         """Apply the preconditioner, an approximate inverse of the whole bordered matrix."""
-        found = _eliminated(
-            np.array(right.array_r),
-            self._split.nearly_solved,
-            self._solved,
-            self._rows,
-            self._corner,
-        )
         with solution as array:
-            array[:] = found
+            array[:] = self.nearly_solved(np.array(right.array_r))
+
+    def nearly_solved(self, given: Array) -> Array:
+        """Nearly the inverse of the whole, times a vector."""
+        solve = self._split.nearly_solved
+        return _eliminated(given, solve, self._solved, self._rows, self._corner)
 
 
 def _eliminated(

@@ -162,6 +162,19 @@ class CondensedBulk:
         found[..., self._kept] = own
         return found
 
+    def moved(self, load: Array) -> Array | None:
+        """How a load moves the free contact dofs while what it is condensed onto is held.
+
+        Collective.
+
+        Args:
+            load: As of ``condense``.
+
+        Returns:
+            On rank 0 (length), (…, contact dofs); None where it is condensed onto all of them.
+        """
+        return None
+
     def forget_schur(self) -> None:
         """Keep the Schur complement no longer, which is large."""
         self.schur = None

@@ -10,6 +10,7 @@ of what is soft, in single precision where that is enough, and S⁻¹ is never n
 from __future__ import annotations
 
 import copy
+from typing import Protocol
 
 import numpy as np
 from petsc4py import PETSc
@@ -33,6 +34,16 @@ _MOST_STEPS = 60
 _ROWS = 64
 # Solves, each of what the ones before have left, that end in round-off.
 _REFINED = 3
+
+
+class Bordered(Protocol):
+    """A matrix with rows and columns around it."""
+
+    def with_inner(self, values: Array, inner: Array) -> Array:
+        """Product with the whole, where that with the matrix is known."""
+
+    def nearly_solved(self, given: Array) -> Array:
+        """Nearly its inverse times a vector."""
 
 
 class SplitSolver:
@@ -172,6 +183,16 @@ class SplitSolver:
             self._is_single = False
             found = gmres(self, right, left) if self.factorise() else None
         return found
+
+    def solve_around(self, whole: Bordered, right: Array, left: float) -> Array | None:
+        """Solve with M and the rows and columns around it; None where GMRES does not end.
+
+        Args:
+            whole: Both.
+            right: The right-hand side.
+            left: Share of it that the solve may leave.
+        """
+        return gmres(whole, right, left)
 
     def solve_transposed(self, right: Array) -> Array | None:
         """M⁻ᵀ r, to what numbers can tell; None where GMRES did not find it."""

@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.solve.condensed.constant_tangent import ComplianceSolver, ConstantTangent
 from fenics_contact.solve.condensed.scalar_border import ScalarBorder
-from fenics_contact.solve.condensed.split_solver import LEFT, SplitSolver, gmres
+from fenics_contact.solve.condensed.split_solver import LEFT, SplitSolver
 from fenics_contact.solve.systems.contact_stiffness import Entries
 
 # Contact dofs up to which a dense inverse costs next to nothing.
@@ -239,7 +239,7 @@ class ContactTangent:
         """
         split = self.inner.split
         if split is not None and self.border.count:
-            found = gmres(self.border.around(split), right, left)
+            found = split.solve_around(self.border.around(split), right, left)
             if found is not None:
                 return found
         if left < self._left:

@@ -121,6 +121,19 @@ class ContactVariables:
         return list(self._projections.values())
 
     @property
+    def glue(self) -> list[tuple[Integers, Integers, NodalProjection]]:
+        """Unknowns that are jumps, the ones that these are measured from, and P between them."""
+        return [(block.slaves, block.masters, block.projection) for block in self._transform]
+
+    @property
+    def acted_on(self) -> Flags:
+        """Unknowns that are the jump of a contact, of two bodies or not, (unknowns,)."""
+        found = np.zeros(self.count, dtype=bool)
+        for _, unknowns in self._units.values():
+            found[unknowns] = True
+        return found
+
+    @property
     def has_jumps(self) -> bool:
         """Whether any unknown is the jump of two bodies."""
         return bool(self._transform)

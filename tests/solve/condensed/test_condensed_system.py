@@ -28,7 +28,7 @@ from fenics_contact.common.factors import local_factor
 from fenics_contact.common.timings import Timings
 from fenics_contact.solve.condensed.condensed_loads import CondensedLoads
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.condensed.constant_tangent import ConstantTangent
+from fenics_contact.solve.condensed.constant_tangent import ConstantTangent, OfSchur
 from fenics_contact.solve.condensed.schur import CondensedBulk
 from fenics_contact.solve.condensed.tangent import UnknownsTangent
 from fenics_contact.solve.systems.rank_stiffness import LocalStiffness
@@ -328,7 +328,7 @@ def test_tangent_against_a_plain_solve(free, stiffness, derived, is_large, monke
     schur, columns = root @ root.T, random.normal(size=(12, 1))
     rows = random.normal(size=(derived, 12))
     every = np.vstack([np.eye(13), np.hstack([rows, np.zeros((derived, 1))])])
-    constant = ConstantTangent(schur.copy(), columns, np.array([1.0]), rows)
+    constant = ConstantTangent(columns, np.array([1.0]), rows, OfSchur(schur.copy()))
     tangent = UnknownsTangent(constant, np.arange(12) // 3)
     whole = np.zeros((13, 13))
     whole[:12, :12], whole[:12, 12:], whole[12, 12] = schur, columns, 1.0
@@ -357,11 +357,11 @@ def test_a_compliance_that_an_earlier_answer_found_is_used_at_once():
     random = np.random.default_rng(5)
     root, none = random.normal(size=(450, 450)), np.zeros((0, 450))
     schur = root @ root.T + 450 * np.eye(450)
-    constant = ConstantTangent(schur.copy(), none.T.copy(), np.zeros(0), none)
+    constant = ConstantTangent(none.T.copy(), np.zeros(0), none, OfSchur(schur.copy()))
     first = UnknownsTangent(constant, np.arange(450) // 3)
     assert not constant.of_schur.knows_compliance
     assert first.compliance is not None
-    later = ConstantTangent(constant.schur, none.T.copy(), np.zeros(0), none, constant.of_schur)
+    later = ConstantTangent(none.T.copy(), np.zeros(0), none, constant.of_schur)
     tangent = UnknownsTangent(later, np.arange(450) // 3)
     spring = np.zeros((450, 450))
     spring[range(9), range(9)] = 1e7
@@ -374,7 +374,7 @@ def test_a_compliance_that_an_earlier_answer_found_is_used_at_once():
 
 def test_singular_tangent_is_no_number_instead_of_a_wrong_one():
     none = np.zeros((0, 2))
-    constant = ConstantTangent(np.diag([1.0, 0.0]), none.T.copy(), np.zeros(0), none)
+    constant = ConstantTangent(none.T.copy(), np.zeros(0), none, OfSchur(np.diag([1.0, 0.0])))
     tangent = UnknownsTangent(constant, np.zeros(2, dtype=np.int64))
     tangent.set(find(np.zeros((2, 2))))
     assert np.isnan(tangent.solve(np.ones(2))).all()
