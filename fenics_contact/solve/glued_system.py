@@ -37,9 +37,12 @@ def is_glueable(problem: Problem, near: Sequence[NearNodes | None]) -> bool:
         near: The nodes of each contact that take part.
     """
     elastic = problem.elastic
+    scene = problem.scene
+    if scene.is_exact or scene.solver.exact_check is True or scene.modes is not None:
+        return False  # these need S or its inverse
     own = len(problem.unknowns) == len(problem.body_scalars)
     plain = elastic.mixed is None and not elastic.ties and problem.discrete.cut is None
-    still = not problem.inertia.moves and problem.conduction is None and not problem.scene.is_exact
+    still = not problem.inertia.moves and problem.conduction is None
     if not (own and plain and still and problem.between_bodies):
         return False
     sides = acting_sides(problem)
@@ -98,9 +101,7 @@ class GluedBody(CondensedBody):
         self._variables = ContactVariables(self.dofs, surfaces)
         return GluedBulk(self.stiffness, self.held, self.dofs.free, self._variables)
 
-    def give_up(
-        self, variables: ContactVariables, acted_on: Flags
-    ) -> OfSchur | Eliminated | None:
+    def give_up(self, variables: ContactVariables, acted_on: Flags) -> OfSchur | Eliminated | None:
         """S' between the jumps, on rank 0, which is applied and not written."""
         found = self.bulk.of_jumps
         motions = [self.dofs.gathered(one.reshape(-1)) for one in free_motions(self._problem)]

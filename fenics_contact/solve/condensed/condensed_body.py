@@ -230,9 +230,7 @@ class CondensedBody:
         """How often K was factorised."""
         return self.bulk.factorisations
 
-    def give_up(
-        self, variables: ContactVariables, acted_on: Flags
-    ) -> OfSchur | Eliminated | None:
+    def give_up(self, variables: ContactVariables, acted_on: Flags) -> OfSchur | Eliminated | None:
         """Return S between unknowns and forget it, as it is large; see ``of_unknowns``.
 
         Of other unknowns it is found again from what was returned last.

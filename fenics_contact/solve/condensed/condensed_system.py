@@ -505,5 +505,3 @@ class CondensedSystem(System):
 def acting_sides(problem: Problem) -> list[ContactSides]:
     """The surfaces of the contacts that exert forces."""
     return [contact.sides for contact in problem.contacts if contact.forces.terms]
-
-

@@ -124,9 +124,7 @@ class ConstantTangent:
         of_schur: S, and what was worked out of it before.
     """
 
-    def __init__(
-        self, columns: Array, corner: Array, derived: Array, of_schur: OfSchur
-    ) -> None:
+    def __init__(self, columns: Array, corner: Array, derived: Array, of_schur: OfSchur) -> None:
         self.count, scalars = columns.shape
         self.size = self.count + scalars
         self.width = self.size + len(derived)

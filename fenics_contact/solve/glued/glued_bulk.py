@@ -12,8 +12,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from mpi4py import MPI
-from scipy.linalg import blas
 from scipy.sparse import coo_matrix, csr_matrix
 
 from fenics_contact.common.arrays import Array, Flags, Integers

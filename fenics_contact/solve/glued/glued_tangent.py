@@ -9,7 +9,6 @@ import copy
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
 from fenics_contact.common.arrays import Array, Integers
@@ -123,7 +122,6 @@ class GluedTangent(UnknownsTangent):
             entries: Of W.
             near: Solver of a tangent near this one, whose factor serves; None for others.
         """
-        rows, columns, values = entries
         self._entries, self._written = entries, None
         found = None if near is None else near.acting_as(self.constant, self._added)
         self._solver = None  # its factor is given back before another one is made

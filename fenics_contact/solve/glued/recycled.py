@@ -3,8 +3,8 @@
 From one Newton step to the next W changes and S' does not. Of each direction whose product with S'
 was found, that with the new tangent costs no back-substitution: so a solve begins by making the
 residual as small as a combination of all of them can (S. C. Eisenstat, H. C. Elman and M. H.
-Schultz, SIAM J. Numer. Anal. 20 (1983) 345-357, with the subspace kept as by M. L. Parks and others,
-SIAM J. Sci. Comput. 28 (2006) 1651-1674). What is soft and of long wave is found once.
+Schultz, SIAM J. Numer. Anal. 20 (1983) 345-357, with the subspace kept as by M. L. Parks and
+others, SIAM J. Sci. Comput. 28 (2006) 1651-1674). What is soft and of long wave is found once.
 """
 
 from __future__ import annotations
@@ -90,9 +90,10 @@ def solve(
         if not 0 < size < np.inf:
             return None
         way /= size
-        rest = basis.add(rest, way, product(way, directions.add(way)))
-        if rest is None:
+        left_over = basis.add(rest, way, product(way, directions.add(way)))
+        if left_over is None:
             return None
+        rest = left_over
     return None
 
 

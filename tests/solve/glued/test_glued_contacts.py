@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 from fenics_contact import Discretisation, Run, Steps, Support
 from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import solver_choice
 from fenics_contact.solve.condensed import elimination
@@ -17,7 +18,6 @@ from fenics_contact.solve.glued_system import GluedSystem, is_glueable
 from fenics_contact.solve.solver_choice import memory_terms
 from fenics_contact.solve.systems.near_nodes import near_nodes
 from fenics_contact.verification.boxes import boxes
-from fenics_contact.common.timings import Timings
 from tests.scenes import with_solver
 from tests.simulation.restart.test_state_file import resumed, stopped_after
 from tests.solve.condensed.test_near_nodes import beams
