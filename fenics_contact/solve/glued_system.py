@@ -38,7 +38,8 @@ def is_glueable(problem: Problem, near: Sequence[NearNodes | None]) -> bool:
     """
     elastic = problem.elastic
     scene = problem.scene
-    if scene.is_exact or scene.solver.exact_check is True or scene.modes is not None:
+    about_answer = scene.modes or scene.damping or scene.stability
+    if scene.is_exact or scene.solver.exact_check is True or about_answer is not None:
         return False  # these need S or its inverse
     own = len(problem.unknowns) == len(problem.body_scalars)
     plain = elastic.mixed is None and not elastic.ties and problem.discrete.cut is None

@@ -180,6 +180,8 @@ class JumpStiffness(Eliminated):
         directions: Those of solves so far.
     """
 
+    own: AppliedSchur
+
     def __init__(self, factor: GluedFactor, zone: Zone, variables: ContactVariables) -> None:
         self.zone, self._factor = zone, factor
         self.kept = np.flatnonzero(variables.acted_on)
@@ -266,7 +268,8 @@ class AppliedSchur(OfSchur):
         way, of_way = last - first, product - of_first
         share = float(way @ (values - first)) / float(way @ way)
         off = np.abs(values - first - share * way).max()
-        return of_first + share * of_way if off <= _SAME * np.abs(values).max() else None
+        is_near = off <= _SAME * np.abs(values).max()
+        return np.asarray(of_first + share * of_way) if is_near else None
 
     @property
     def diagonal(self) -> Array:

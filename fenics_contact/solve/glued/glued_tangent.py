@@ -113,7 +113,7 @@ class GluedTangent(UnknownsTangent):
         self, constant: ConstantTangent, nodes: Integers, stiffness: JumpStiffness
     ) -> None:
         self.constant, self.size, self._stiffness = constant, constant.size, stiffness
-        self._solver: GluedSolver | None = None
+        self._solver: SplitSolver | None = None
 
     def set(self, entries: Entries, near: SplitSolver | None = None) -> None:
         """Set W by its entries; those at the same place add up.
