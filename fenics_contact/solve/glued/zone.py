@@ -52,7 +52,7 @@ class Zone:
         self._matrix = csr_matrix(stiffness[every][:, every])
         rows = stiffness[own]
         self.column_sums = np.asarray(abs(rows).sum(axis=1)).ravel()
-        self.diagonal = self._matrix.diagonal()[: self._count]
+        self.diagonal: Array = self._matrix.diagonal()[: self._count]
 
     def factorised(self, added: csr_matrix) -> ZoneFactor:
         """With the stiffness of contacts.
