@@ -88,7 +88,7 @@ def _moved(x: float, y: float) -> tuple[Support, ...]:
 
 
 _STILL = _moved(0.0, 0.0)
-_ROUND = {"shape": "parabola", "radius": 20.0, "position": (0.5, 0.0)}
+_ROUND: dict[str, Any] = {"shape": "parabola", "radius": 20.0, "position": (0.5, 0.0)}
 
 
 def in_the_plane() -> Iterator[LimitScene]:
@@ -153,7 +153,7 @@ def of_other_kinds() -> Iterator[LimitScene]:
         contact = _contact(against="floor.y1")
         found = _scene(contact=(contact,), support=(*_moved(0.4, -0.4), floor))
         yield LimitScene(f"two bodies {words}", found, _pair(cells), largest=1e-6)
-    moved = {"x": 0.3 * _DEPTH, "y": 0.2 * _DEPTH, "z": -0.4 * _DEPTH}
+    moved: dict[Any, Any] = {"x": 0.3 * _DEPTH, "y": 0.2 * _DEPTH, "z": -0.4 * _DEPTH}
     given: dict[str, Any] = {"kinematics": "3D", "support": (Support("block.z1", moved),)}
     contact = _contact(on="block.z0")
     yield LimitScene("in space", _scene(contact=(contact,), **given), _cube)
@@ -177,7 +177,7 @@ def orders(one: LimitScene) -> Iterator[Finding]:
     """
     body, contact = one.body(), one.scene.contact[0]
 
-    def energy(**given: float) -> float:
+    def energy(**given: Any) -> float:
         other = dataclasses.replace(contact, **given)
         result = solved(dataclasses.replace(one.scene, contact=(other,)), body)
         return float(result.quantities["strain_energy"])
@@ -187,7 +187,10 @@ def orders(one: LimitScene) -> Iterator[Finding]:
     for parameter in one.parameters:
         others = {name: 0.0 for name in one.parameters if name != parameter}
         found = [energy(**others, **{parameter: share * one.largest}) - exact for share in _SHARES]
-        for share, first, second in (("tenth", *found[:2]), ("hundredth", *found[1:])):
+        for share, first, second in (
+            ("tenth", found[0], found[1]),
+            ("hundredth", found[1], found[2]),
+        ):
             said = f"{one.name}: difference by {words[parameter]}, over that of a {share}"
             ratio = first / second if second else float("nan")
             yield Finding(said, ratio, 10.0, _TOLERANCE)
