@@ -8,6 +8,7 @@ import numpy as np
 
 from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.common.parallel import raise_together
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
@@ -109,8 +110,10 @@ class GluedBody(CondensedBody):
         if found is not None:
             free = [variables.unknowns(one[self.dofs.is_free])[found.kept] for one in motions]
             found.directions.free(free)
+        error = None
         if found is not None and not np.array_equal(np.flatnonzero(acted_on), found.kept):
-            raise NotConvergedError("the stiffness is singular: is the body held?", ())
+            error = NotConvergedError("the stiffness is singular: is the body held?", ())
+        raise_together(self.bulk.comm, error)
         return found
 
     def bulk_forces(self, position: Array) -> Array | None:
