@@ -30,6 +30,9 @@ from fenics_contact.scene.scene import Scene
 # Of the largest conductance: by no more may any change from one solve to the next.
 _SAME = 1e-6
 _MOST_SOLVES = 60
+# Where solves are not exact enough for that: after so many, a change below this one counts as none
+# that is not half of the least so far. The check ``heat_balance`` judges what is left.
+_STALLED, _NOISE = 10, 1e-5
 _NEGLIGIBLE = 1e-9  # of heat that would flow without a balance: below that none flows
 _DEPTH = 6  # earlier solves that Anderson's method combines
 
@@ -89,7 +92,7 @@ class Conduction:
         self._pressures = [np.zeros(len(one.contact.trace.weights)) for one in self.contacts]
         self.time = 0.0
         self._past: list[tuple[Array, Array]] = []
-        self._solves = 0
+        self._solves, self._least = 0, np.inf
 
     @property
     def memory(self) -> HeatMemory:
@@ -109,7 +112,7 @@ class Conduction:
 
     def recall(self, memory: HeatMemory | None) -> None:
         """Go back to a state that was remembered; None for that before the first load step."""
-        self._past, self._solves = [], 0
+        self._past, self._solves, self._least = [], 0, np.inf
         if memory is None:
             self.rise = np.zeros_like(self.rise)
             self._pressures = [np.zeros_like(one) for one in self._pressures]
@@ -122,7 +125,7 @@ class Conduction:
 
     def begin(self) -> None:
         """Find the temperatures of the present time with the pressures there are; collective."""
-        self._past, self._solves = [], 0
+        self._past, self._solves, self._least = [], 0, np.inf
         self.rise = self._solved(self._pressures)
 
     @property
@@ -167,7 +170,9 @@ class Conduction:
         found = [state.contact_pressure for state in self.states_of(states)]
         change = self._change(self._pressures, found)
         self._solves += 1
-        if change <= share * _SAME:
+        is_noise = self._solves > _STALLED and 0.5 * self._least < change <= share * _NOISE
+        self._least = min(self._least, change)
+        if change <= share * _SAME or is_noise:
             return False
         if self._solves >= _MOST_SOLVES:
             raise NotConvergedError(
