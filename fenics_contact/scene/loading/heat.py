@@ -113,4 +113,4 @@ class Conductance:
             number: Of the value.
             pressure: At points, (points,) (stress).
         """
-        return np.interp(pressure, self.pressures, np.eye(len(self.values))[number])
+        return np.asarray(np.interp(pressure, self.pressures, np.eye(len(self.values))[number]))
