@@ -21,7 +21,7 @@ from assembly_scenes import Mesh, clevis
 COMM = MPI.COMM_WORLD
 PULL = 5e3
 # Newton steps of a solve that are too few for all other ways.
-FEW = 20
+FEW = 12
 # Gmsh 4.13 finds an end of the pin among its sides: the scene is refused.
 SEES_SIDES = tuple(map(int, gmsh.__version__.split(".")[:2])) >= (4, 15)
 of_lug = pytest.mark.skipif(not SEES_SIDES, reason="it is for another version of Gmsh")
