@@ -21,6 +21,8 @@ from fenics_contact.solve.systems.solution import Solution
 _SAME = 1e-9
 # Of what counts as nothing: so much less is round-off, which leaves no pattern.
 _ROUND_OFF = 1e-3
+# Changes of states over these that are the round-off of a solve, whatever counts as nothing.
+_OF_SOLVES = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,6 +211,6 @@ def change_to_come(change: float, before: float, share: float) -> float:
         before: In the cycle before.
         share: What counts as nothing.
     """
-    if change <= _ROUND_OFF * share:
+    if change <= max(_ROUND_OFF * share, _OF_SOLVES):
         return change
     return max(change, change * change / (before - change)) if change < before else np.inf

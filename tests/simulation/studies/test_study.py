@@ -30,7 +30,7 @@ from tests.solve.load_steps.histories import block, dragged, shoved, two_blocks
 COMM = MPI.COMM_WORLD
 # Quantities of one kind: what each is small against is the largest of them.
 KINDS = {
-    "share": ("slip_since_pairing",),
+    "share": ("slip_since_pairing", "slip_share"),
     "force": ("force", "reaction", "pressure_integral"),
     "area": ("area",),
     "energy": ("energy", "work", "defect"),
