@@ -184,7 +184,7 @@ def _said(look: Look, page: Path, scene: Path) -> str:
 
 
 def _points_and_edges(look: Look) -> list[str]:
-    """What supports may hold beside surfaces, in a line."""
+    """A line on the points and edges that supports may hold."""
     if not look.places:
         return []
     edges = [row for row in look.places if row.length]

@@ -104,7 +104,7 @@ class ContactSurface:
         self._take_values(contact)
 
     def serves(self, contact: Contact) -> bool:
-        """Whether nothing is made anew for another contact of the scene, as values alone differ.
+        """Whether this surface can take the values of another contact, as nothing else differs.
 
         Args:
             contact: The other one.

@@ -219,10 +219,10 @@ class EnergyBalance:
         return works
 
     def _energy_of_moduli(self, forces: InternalForces) -> float:
-        """What other moduli and other temperatures alone change of the energy; collective.
+        """Change of the elastic energy by moduli and temperatures that change; collective.
 
-        Of displacements and scalars y with the forces F = K y, ½ (F' · y − F · y'), beside which
-        the trapezoidal rule's works are the change of ½ y · F, though K changes.
+        It is ½ (F' · y − F · y') for displacements and scalars y with the forces F = K y. With the
+        work of loads by the trapezoidal rule it adds up to the change of ½ y · F.
         """
         before = self._before
         if before is None:

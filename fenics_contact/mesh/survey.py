@@ -102,7 +102,7 @@ class FoundPlace:
 
     @property
     def length(self) -> float:
-        """Of the edges, 0 of points (length)."""
+        """Length of the edges; 0 for points (length)."""
         return float(sum(np.linalg.norm(np.subtract(*piece)) for piece in self.pieces))
 
     @property

@@ -261,7 +261,7 @@ class Conduction:
         return self._of_root(solve, pressures)
 
     def _of_root(self, solve: Callable[..., Array], pressures: Sequence[Array]) -> Array:
-        """What the first rank solves for at pressures, on every rank; collective.
+        """Solve for heat on the first rank, at given pressures, for all ranks; collective.
 
         Raises:
             FenicsContactError: On every rank, what it raises.
@@ -305,7 +305,7 @@ class Conduction:
         return self.steps_of(self._whole)
 
     def steps_of(self, every: Array) -> list[Array]:
-        """The same of other temperatures.
+        """Temperature opposite less the own one, for given temperatures of all nodes.
 
         Args:
             every: Rise of all nodes of all ranks, (nodes,) (temperature).

@@ -201,7 +201,7 @@ class KeptBody:
     def stepping_again(
         self, scene: Scene, timings: Timings
     ) -> Iterator[tuple[LoadSteps, CondensedSystem]]:
-        """As ``stepping``, for one scene after the other; collective.
+        """Load steps of one scene after the other, with one problem where it serves; collective.
 
         Problem and system are kept, and take the values of the next scene, if nothing else differs
         and nobody used the body meanwhile.

@@ -150,7 +150,7 @@ class CondensedSystem(System):
         self._present = None
 
     def follow_bulk(self) -> None:
-        """Factorise the body anew, by itself where it is kept for others; collective."""
+        """Factorise the body again, without changing one kept for other scenes; collective."""
         self.follow_loads()
         values = self._values(self.state)
         displacements, scalars = self.contact_displacements(), self._scalars_of(values)

@@ -129,7 +129,7 @@ class GluedBulk(CondensedBulk):
         return self._condensed(self._forces(load))[0]
 
     def _condensed(self, forces: Array) -> tuple[Array, Array]:
-        """The same, and all displacements; on rank 0, else nothing."""
+        """Forces left at the contact dofs, and all displacements; on rank 0, else nothing."""
         if self._factor is None:
             return np.zeros((*forces.shape[:-1], self.count)), forces
         found = self._factor.solve(forces)
@@ -273,12 +273,12 @@ class AppliedSchur(OfSchur):
 
     @property
     def diagonal(self) -> Array:
-        """That of the stiffness of the slaves' cells, (jumps,)."""
+        """Diagonal of the stiffness of the slaves' cells, (jumps,)."""
         return self._zone.diagonal
 
     @property
     def stiffest(self) -> float:
-        """Its largest entry."""
+        """Largest entry of the diagonal; 1 if there is none."""
         return float(self.diagonal.max(initial=0.0)) or 1.0
 
     @property

@@ -93,7 +93,7 @@ class GluedSolver(SplitSolver):
         return recycled.solve(right, left, directions, product, nearly_solved)
 
     def solve_transposed(self, right: Array) -> Array | None:
-        """M⁻ᵀ r, likewise: S' is symmetric."""
+        """M⁻ᵀ r; None where it was not found. Only W is transposed, as S' is symmetric."""
         if self._transposed is None:
             added = csr_matrix(self._acting.T)
             self._transposed = GluedSolver(self._constant, self._stiffness, added)
@@ -138,7 +138,7 @@ class GluedTangent(UnknownsTangent):
         return np.full(len(right), np.nan) if found is None else found
 
     def solve_transposed(self, right: Array) -> Array:
-        """M⁻ᵀ r, likewise."""
+        """M⁻ᵀ r; not a number where it was not found."""
         found = None if self._solver is None else self._solver.solve_transposed(right)
         return np.full(len(right), np.nan) if found is None else found
 
