@@ -196,6 +196,34 @@ def test_half_of_a_punch_is_half_of_it():
     assert half.couplings[0].force[1] == pytest.approx(-10, rel=1e-9)
 
 
+@pytest.mark.parametrize("kind", ["rigid", "distributing"])
+def test_a_quarter_of_a_punch_is_a_quarter_of_it(kind):
+    """Its face reaches two planes of symmetry: it moves along their edge alone and does not turn."""
+
+    def pressed(cells, sides, symmetry=(), **coupling):
+        scene = Scene(
+            kinematics="3D",
+            material=Material(1000, 0.3),
+            symmetry=symmetry,
+            contact=(Contact("z0", friction_coefficient=0.2, obstacle=Obstacle("plane")),),
+            coupling=(Coupling("z1", kind=kind, **coupling),),
+            discretisation=Discretisation(1),
+            solver=QUIET,
+        )
+        found = run(scene, body=box_body(cells, sides))
+        assert found.exit_code == 0, found.verdict
+        return found
+
+    held = {"displacement": {"x": 0, "y": 0}, "rotation": dict.fromkeys("xyz", 0)}
+    whole = pressed((6, 4, 2), (2, 2, 1), force=(0, 0, -40), **held)
+    quarter = pressed((3, 2, 2), (1, 1, 1), ("x1", "y1"), force=(0, 0, -10))
+    (one,), (other,) = whole.couplings, quarter.couplings
+    assert not np.any(other.rotation)
+    assert other.displacement == pytest.approx(one.displacement, rel=1e-6, abs=1e-12)
+    for name in ("normal_force", "friction_work", "strain_energy"):
+        assert 4 * quarter.quantities[name] == pytest.approx(whole.quantities[name], rel=1e-6), name
+
+
 def test_a_bolt_that_ends_at_the_face():
     """Its shortening and the motion are scalars of one energy: F = E A (w + q)/L at given w."""
     ends = {"x0": {"x": 0, "y": 0}}
