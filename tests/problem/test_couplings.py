@@ -198,7 +198,7 @@ def test_half_of_a_punch_is_half_of_it():
 
 @pytest.mark.parametrize("kind", ["rigid", "distributing"])
 def test_a_quarter_of_a_punch_is_a_quarter_of_it(kind):
-    """Its face reaches two planes of symmetry: it moves along their edge alone and does not turn."""
+    """Its face reaches two planes of symmetry: it moves along their edge, without turning."""
 
     def pressed(cells, sides, symmetry=(), **coupling):
         scene = Scene(
