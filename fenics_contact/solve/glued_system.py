@@ -67,7 +67,7 @@ class GluedSystem(NearSystem):
         return GluedTangent(constant, nodes, stiffness)
 
     def _left_by_a_step(self, imbalance: float, forces: float) -> float:
-        """As of any, but no less than what a back-substitution leaves of a jump."""
+        """Share that a linear solve may leave, at least that of the round-off of a product."""
         return max(super()._left_by_a_step(imbalance, forces), _LEFT)
 
     def update_pairing(self) -> None:

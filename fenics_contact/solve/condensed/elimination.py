@@ -54,7 +54,7 @@ class Eliminated(ABC):
 
     @abstractmethod
     def carried(self, forces: Array) -> Array:
-        """What ``every`` is to know of forces on all unknowns, (eliminated,)."""
+        """Part of forces on all unknowns that recovers the eliminated ones, (eliminated,)."""
 
     @abstractmethod
     def onto_kept(self, forces: Array, carried: Array) -> Array:

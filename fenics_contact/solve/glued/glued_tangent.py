@@ -129,7 +129,7 @@ class GluedTangent(UnknownsTangent):
 
     @property
     def split(self) -> SplitSolver | None:
-        """The solver."""
+        """Solver of the tangent that was set last; None before one was."""
         return self._solver
 
     def solve(self, right: Array, left: float = LEFT) -> Array:

@@ -159,7 +159,7 @@ class _Basis:
         return rest - share * product
 
     def combined(self) -> Array:
-        """The solution."""
+        """Combination of all directions that solves the system but for the residual."""
         first, size = self._of_known.shape[1], len(self._shares)
         upper = np.zeros((size, size))
         upper[:first, :first] = self._upper
