@@ -152,7 +152,8 @@ def sentence(
         for problem in error.errors(include_url=False)
     ]
     problems = [p for p in every if names or not _beside_the_point(p)] or every
-    unknown = [p for p in problems if p["type"] == "unexpected_keyword_argument"]
+    problems = _of_nearest_tables(problems, data)
+    unknown = [p for p in problems if _is_unknown(p)]
     first = (unknown or problems)[0]
     path = _known_path(first["loc"], data)
     key = written(path)
@@ -193,6 +194,44 @@ def _beside_the_point(problem: Any) -> bool:
     is_table = isinstance(given, dict)
     long_enough = kind == "too_short" and len(given) >= problem["ctx"]["min_length"]
     return kind == "callable_type" or (kind == "float_type" and is_table) or long_enough
+
+
+def _of_nearest_tables(problems: Sequence[Any], data: Mapping[str, Any]) -> list[Any]:
+    """Problems without those of tables that a value is not meant to be, where it may be several.
+
+    It is meant to be the one that knows most of its keys, and of these the one that has the fewest
+    problems.
+
+    Args:
+        problems: Of pydantic.
+        data: What the user gave, by keys.
+    """
+    found: dict[Any, dict[str, list[Any]]] = {}
+    for problem in problems:
+        for path, name in _tables_tried(problem, data):
+            found.setdefault(path, {}).setdefault(name, []).append(problem)
+    left_out = []
+    for tables in found.values():
+        nearest_one = min(tables.values(), key=lambda of: (sum(map(_is_unknown, of)), len(of)))
+        left_out += [one for of in tables.values() if of is not nearest_one for one in of]
+    return [problem for problem in problems if not any(problem is one for one in left_out)]
+
+
+def _tables_tried(problem: Any, data: Any) -> Iterator[tuple[tuple[Any, ...], str]]:
+    """Where a value was taken for a table that has a problem, and the name of its class."""
+    path: tuple[Any, ...] = ()
+    location = problem["loc"]
+    for number, step in enumerate(location):
+        is_last = number == len(location) - 1
+        try:
+            data, path = data[step], (*path, step)
+        except (KeyError, IndexError, TypeError):
+            if isinstance(data, Mapping) and (not is_last or problem["type"] == "value_error"):
+                yield path, step
+
+
+def _is_unknown(problem: Any) -> bool:
+    return bool(problem["type"] == "unexpected_keyword_argument")
 
 
 def _shown(value: object) -> str:

@@ -19,6 +19,23 @@ MODULES = (conditions, contact, body, obstacle, scene, of_answer, values)
 
 
 @pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ("temperature = [20, 20], values = [2e5, 1e5]", "temperatures_of_moduli_stay"),
+        ("temprature = [20, 30], values = [2e5, 1e5]", "temperature_of_moduli_misspelt"),
+        ("temperature = [20, 30]", "values_of_moduli_missing"),
+        ('alon = "x", at = [0, 1], values = [1, 2]', "along_misspelt"),
+    ],
+)
+def test_of_several_tables_the_one_that_is_meant_is_spoken_of(given, said, folder):
+    """A modulus may be a table of temperature, or a profile along an axis."""
+    text = GOOD.replace("youngs_modulus = 1000", f"youngs_modulus = {{ {given} }}")
+    assert text != GOOD
+    with refused(said):
+        load_scene(write(folder, text))
+
+
+@pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ("youngs_modulus", "E", "unknown_key_e"),
