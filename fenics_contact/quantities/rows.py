@@ -355,6 +355,7 @@ ROWS = (
         "that crosses a contact with a `conductance` into the body of `on`",
         together=Together.OF_THE_ONE,
         is_of_some=True,
+        is_asked_for=True,
     ),
     Quantity(
         names.OBSTACLE_DISPLACEMENT,

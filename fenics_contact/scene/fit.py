@@ -161,7 +161,6 @@ def _require_heat(scene: CoreScene) -> None:
     others = {
         "temperature": bool(scene.temperature),
         "half_space": scene.half_space is not None,
-        "accuracy": scene.accuracy is not None,
         **dict.fromkeys(registry.tables_not_with(scene, "heat"), True),
     }
     for key, is_there in others.items():
@@ -356,7 +355,6 @@ def _require_motion(scene: CoreScene) -> None:
         "steps": scene.steps != Steps(),
         "cycles": scene.cycles is not None,
         "half_space": scene.half_space is not None,
-        "accuracy": scene.accuracy is not None,
         **dict.fromkeys(registry.tables_not_with(scene, "motion"), True),
         "solver.branches": scene.solver.branches,
         "solver.stabilisation": scene.solver.stabilisation,

@@ -7,6 +7,9 @@ An optimal control approach to a posteriori error estimation in finite element m
 Numerica 10 (2001) 1-102). Of a history, the adjoint is that of its last load step.
 
 Where a quantity has no adjoint its cells count by ‖e‖²_K, as errors in the energy norm do.
+
+Where conduction finds the temperatures, half of what a cell counts goes by the error of temperature
+in it, ∫ k |∇e_T|²: wrong temperatures strain the body, and no adjoint says how much.
 """
 
 from __future__ import annotations
@@ -99,7 +102,15 @@ def find_goals(
         asked: Quantity → names whose adjoints are its own, of a vector its components.
     """
     problem = load_steps.problem
-    squared = _shares(problem, _of_a_section(problem, local.squared))
+    heat = local.squared_of_heat
+
+    def counted(cells: Array) -> Array:
+        shares = _shares(problem, cells)
+        if heat is None:
+            return shares
+        return (shares + _shares(problem, _of_a_section(problem, heat))) / 2
+
+    squared = counted(_of_a_section(problem, local.squared))
     try:
         adjoint = _adjoint(load_steps)
     except InputError as error:
@@ -112,7 +123,7 @@ def find_goals(
         except (InputError, NotConvergedError) as error:
             why[quantity] = _reason(error)
             continue
-        weighed[quantity] = _shares(problem, np.sqrt(local.squared * sum(found)))
+        weighed[quantity] = counted(np.sqrt(local.squared * sum(found)))
     return Goals(squared, weighed, why)
 
 

@@ -10,6 +10,7 @@ from fenics_contact import (
     Accuracy,
     Contact,
     Discretisation,
+    Heat,
     Load,
     Material,
     MeshSource,
@@ -159,3 +160,24 @@ def test_what_has_no_adjoint_counts_by_energy_and_is_named():
     goals, _ = goals_of(full, square(), ["normal_force"])
     assert goals.by_energy == {"normal_force": "the full solver has no adjoint"}
     assert not goals.weighed
+
+
+def test_heat_through_a_fit_to_the_accuracy_asked_for():
+    """Two tubes with a constant conductance between them: resistances in series."""
+    fit = load_scene(ROOT / "demos" / "warm_fit.toml")
+    parameters = {**fit.mesh[0].parameters, "size": 10}
+    scene = dataclasses.replace(
+        fit,
+        mesh=(dataclasses.replace(fit.mesh[0], parameters=parameters),),
+        heat=(Heat("shaft_bore", temperature=200), Heat("hub_outside", temperature=20)),
+        contact=(dataclasses.replace(fit.contact[0], conductance=2.0),),
+        steps=Steps(),
+        accuracy=Accuracy(of={"heat_flow": 3e-5}),
+    )
+    result = run(scene)
+    assert result.accuracy.reached
+    assert len(result.levels) > 1
+    resistance = (np.log(2.0) / 50 + 1 / (2.0 * 20) + np.log(2.0) / 50) / (2 * np.pi * 20)
+    flow, bar = result.quantities["heat_flow"], result.errors["heat_flow"]["total"]
+    assert -flow == pytest.approx(180 / resistance, abs=bar)
+    assert bar <= 3e-5 * -flow

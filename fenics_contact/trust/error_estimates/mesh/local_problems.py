@@ -194,6 +194,11 @@ class LocalErrors:
         return np.asarray(self._squared_by_block[self._blocks])
 
     @property
+    def squared_of_heat(self) -> Array | None:
+        """Likewise of the error of temperature (``HeatErrors.squared``); None where it is given."""
+        return None if self._heat is None else self._heat.squared
+
+    @property
     def total(self) -> float:
         """Energy norm of the error of the whole body (√energy); collective."""
         return float(np.sqrt(total(self._problem.comm, self.squared.sum())))
