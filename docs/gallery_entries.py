@@ -241,6 +241,13 @@ def _cattaneo(solved: Solved) -> Iterator[Finding]:
         yield Finding(label, sticks, (1 - share) ** (1 / 3), 0.03, absolute=True)
 
 
+def _ironing(solved: Solved) -> Iterator[Finding]:
+    first, end = solved.steps()[0], solved.steps()[-1]
+    yield Finding("force, pressed in", -first["contact_force"][1], 0.416159, 1e-4)
+    yield Finding("force, dragged", -end["contact_force"][1], 0.411790, 1e-4)
+    yield Finding("force along, dragged", end["contact_force"][0], 0.123484, 1e-4)
+
+
 def _cycle(solved: Solved) -> Iterator[Finding]:
     steps = solved.steps()
     turns = [steps[number - 1] for number in (6, 26, 46)]
@@ -413,6 +420,7 @@ ENTRIES: dict[str, Entry] = {
         source="Euler's beam, of both layers together and of each alone; balance of energy",
         findings=_joint_damping,
     ),
+    "ironing": Entry(source=PROTOTYPE, findings=_ironing),
     "cycle": Entry(
         source=f"{JOHNSON}, sections 7.2 and 7.4, for the largest force that came out",
         findings=_cycle,

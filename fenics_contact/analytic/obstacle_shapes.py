@@ -37,6 +37,27 @@ class Sizes:
     inner_radius: float
 
 
+@dataclass(frozen=True)
+class Nearest:
+    """The points of an obstacle's line in the plane that are nearest to some places.
+
+    Attributes:
+        distance: To them, < 0 inside the obstacle, (places,) (length).
+        normals: Outward unit normals of the obstacle there, (places, 2).
+        arc: Where they lie along the line, counterclockwise around the obstacle, (places,)
+            (length).
+        curvature: By which the normal turns where the place moves along the line, (places,)
+            (1/length).
+        rate: How fast ``arc`` then grows: 1 on the obstacle, (places,).
+    """
+
+    distance: Array
+    normals: Array
+    arc: Array
+    curvature: Array
+    rate: Array
+
+
 class ObstacleShape(ABC):
     """A shape of rigid obstacles.
 
@@ -50,6 +71,7 @@ class ObstacleShape(ABC):
         is_round: Whether it is a part of a circle: seen from its centre, not from the apex.
         is_endless: Whether it is as wide as one looks.
         is_hertzian: Whether Hertz's formulas are of it.
+        tells_nearest: Whether ``nearest`` is known, from which finite strains measure gaps.
     """
 
     name: ClassVar[str]
@@ -61,6 +83,23 @@ class ObstacleShape(ABC):
     is_round: ClassVar[bool] = False
     is_endless: ClassVar[bool] = False
     is_hertzian: ClassVar[bool] = False
+    tells_nearest: ClassVar[bool] = False
+
+    def nearest(self, offsets: Array, sizes: Sizes) -> Nearest:
+        """The nearest points in a plane model, from anywhere.
+
+        Args:
+            offsets: Of places from the apex, (places, 2) (length).
+            sizes: Of the obstacle.
+
+        Raises:
+            NotImplementedError: The shape has an edge, or no formula for them.
+        """
+        raise NotImplementedError(f"no nearest points of the shape '{self.name}'")
+
+    def period(self, sizes: Sizes) -> float:
+        """Length of the line after which ``Nearest.arc`` begins again; infinite if never."""
+        return np.inf
 
     @abstractmethod
     def gaps(self, offsets: Array, rays: Array, sizes: Sizes) -> Array:
@@ -76,8 +115,16 @@ class ObstacleShape(ABC):
 class Plane(ObstacleShape):
     """A plane without an end."""
 
-    name, has_radius = "plane", False
+    name, has_radius, tells_nearest = "plane", False, True
     models: ClassVar[tuple[str, ...]] = ALL_MODELS
+
+    def nearest(self, offsets: Array, sizes: Sizes) -> Nearest:
+        """The feet of the perpendiculars."""
+        normal = sizes.normal[:2]
+        straight = np.zeros(len(offsets))
+        normals = np.broadcast_to(normal, offsets.shape)
+        arc = offsets @ turned(normal)
+        return Nearest(offsets @ normal, normals, arc, straight, 1 + straight)
 
     def gaps(self, offsets: Array, rays: Array, sizes: Sizes) -> Array:
         """To the plane through the apex."""
@@ -91,7 +138,7 @@ class Plane(ObstacleShape):
 class FlatPunch(Plane):
     """A disc, or a strip in plane models."""
 
-    name, has_radius, has_edge = "flat punch", True, True
+    name, has_radius, has_edge, tells_nearest = "flat punch", True, True, False
 
     def gaps(self, offsets: Array, rays: Array, sizes: Sizes) -> Array:
         """To the plane, where the ray meets it inside of the edge."""
@@ -173,8 +220,27 @@ class Sphere(ObstacleShape):
 class Cylinder(Sphere):
     """A circular cylinder, which is straight along lines in 3D."""
 
-    name, has_lines = "cylinder", True
+    name, has_lines, tells_nearest = "cylinder", True, True
     models = (*PLANE_MODELS, "3D")
+
+    def nearest(self, offsets: Array, sizes: Sizes) -> Nearest:
+        """Along rays from the centre; the arc is 0 at the apex."""
+        normal = sizes.normal[:2]
+        rays = offsets + sizes.radius * normal
+        lengths = np.linalg.norm(rays, axis=1)
+        safe = np.where(lengths > 0, lengths, 1.0)
+        angle = np.arctan2(rays @ turned(normal), rays @ normal)
+        distance, arc = lengths - sizes.radius, sizes.radius * angle
+        return Nearest(distance, rays / safe[:, None], arc, 1 / safe, sizes.radius / safe)
+
+    def period(self, sizes: Sizes) -> float:
+        """The circumference."""
+        return float(2 * np.pi * sizes.radius)
+
+
+def turned(vectors: Array) -> Array:
+    """Vectors in the plane turned by a right angle, counterclockwise, (…, 2)."""
+    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
 
 
 _SHAPES: dict[str, ObstacleShape] = {
@@ -209,6 +275,11 @@ def names() -> tuple[str, ...]:
 def names_in(kinematics: str) -> list[str]:
     """Names of the shapes that models of some kinematics have."""
     return [name for name, shape in _SHAPES.items() if kinematics in shape.models]
+
+
+def names_with_nearest(kinematics: str) -> list[str]:
+    """Names of the shapes of models of some kinematics whose nearest points are known."""
+    return [name for name in names_in(kinematics) if _SHAPES[name].tells_nearest]
 
 
 def shape_of(name: str) -> ObstacleShape:

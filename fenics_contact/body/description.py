@@ -17,7 +17,7 @@ from fenics_contact.scene.loading.cyclic_symmetry import CyclicSymmetry
 from fenics_contact.scene.loading.support_axes import SupportAxes
 from fenics_contact.scene.loading.temperatures import Temperature, expansions
 from fenics_contact.scene.scene import Scene
-from fenics_contact.scene.values import RAMP, Kinematics, Value
+from fenics_contact.scene.values import RAMP, Kinematics, Strains, Value
 
 
 @dataclass(frozen=True)
@@ -168,6 +168,7 @@ class BodyDescription:
         cyclic_symmetry: The cut faces of a sector, or None.
         temperatures: Those that moduli follow at first, once their paths are 1, with their factors;
             none where no modulus follows any.
+        strains: ``small``, or ``finite`` with a stored energy in place of Hooke's law.
     """
 
     kinematics: Kinematics
@@ -186,6 +187,7 @@ class BodyDescription:
     heated: tuple[HeatedGroup, ...] = ()
     cyclic_symmetry: CyclicSymmetry | None = None
     temperatures: tuple[tuple[Temperature, float], ...] = ()
+    strains: Strains = "small"
 
     @classmethod
     def of(cls, scene: Scene) -> BodyDescription:
@@ -231,6 +233,7 @@ class BodyDescription:
             ),
             cyclic_symmetry=scene.cyclic_symmetry,
             temperatures=temperatures_at(scene, scene.load_steps.all_times[-1]),
+            strains=scene.strains,
         )
 
     def differences(self, other: BodyDescription) -> Sequence[str]:

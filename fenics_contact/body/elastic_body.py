@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import ufl
@@ -93,7 +93,10 @@ class ElasticBody:
         stiffness: Compiled bilinear form: a(·, ·), or its deviatoric part if mixed, and springs.
         mixed: The forms of a mean stress, or None.
         reference_modulus: Largest stiffness of the body (stress).
+        is_linear: Whether forces are those of the stiffness, whatever the displacement.
     """
+
+    is_linear: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -116,9 +119,7 @@ class ElasticBody:
             assert isinstance(self.law, Isotropic)
             self.name = "elastic energy, nearly incompressible: mean stress as a second unknown"
             self.mixed = self._mixed_forms(self.law, several=len(description.material) > 1)
-        stress = self.displacement_stress(displacement)
-        energy = strain_energy(self.strain(displacement), stress, spaces.weight, spaces.bulk)
-        residual = ufl.derivative(energy, displacement)
+        residual = ufl.derivative(self._energy(), displacement)
         stiffest = max(moduli.confined for moduli in self._moduli)
         self.springs = springs_of(description.springs, spaces, stiffest)
         stiffness = ufl.derivative(residual, displacement)
@@ -149,6 +150,12 @@ class ElasticBody:
             self._couple_faces(stiffness)
         self.joints = self.joined(description.joints)
         self.scalar_stiffness = self.scalar_stiffness + self.joints.stiffness
+
+    def _energy(self) -> ufl.Form:
+        """The elastic energy of the displacement, with a mean stress its deviatoric part."""
+        u, spaces = self.displacement, self._spaces
+        stress = self.displacement_stress(u)
+        return strain_energy(self.strain(u), stress, spaces.weight, spaces.bulk)
 
     def _couple_parts(self) -> None:
         """Add what the expansion of preloaded parts does to the forces in them; collective."""
@@ -459,6 +466,16 @@ class ElasticBody:
             return self.law.stress(e)
         assert isinstance(self.law, Isotropic)
         return self.law.deviatoric_stress(e) + self.mixed.mean_stress * ufl.Identity(3)
+
+    def nominal_stress(self, displacement: Expr | None = None) -> Expr:
+        """Stress by which forces over undeformed areas are found, shape (3, 3).
+
+        Args:
+            displacement: Of a state without mean stress; by default of the solution.
+        """
+        if displacement is None or self.mixed is not None:
+            return self.stress()
+        return self.law.stress(self.elastic_strain(displacement))
 
     def displacement_stress(self, displacement: Expr) -> Expr:
         """The stress that a displacement makes, shape (3, 3): where mixed, its deviatoric part."""

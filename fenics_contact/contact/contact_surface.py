@@ -6,6 +6,7 @@ One object per ``[[contact]]``.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.contact.against_body import BodyKinematics
 from fenics_contact.contact.against_obstacle import ObstacleKinematics
 from fenics_contact.contact.contact_forces import ContactForces, ContactWork
+from fenics_contact.contact.finite.current_obstacle import CurrentObstacle, along, carried_along
 from fenics_contact.contact.kinematics import ContactKinematics
 from fenics_contact.contact.laws.found import FoundTractions
 from fenics_contact.contact.laws.friction import friction_law
@@ -93,7 +95,7 @@ class ContactSurface:
         self.owned_nodes = self.trace.owned[: len(self.nodes)]
         named = law_of(contact)
         self.contact = contact
-        self.kinematics = self._kinematics(key, named)
+        self.kinematics = self._kinematics(key, named, elastic.is_linear)
         self.axis = self.sides.axis(self.kinematics.axis)
         self.follow_supports(constrained)
         self.scales = ContactScales(self.sides, elastic)
@@ -157,8 +159,13 @@ class ContactSurface:
         self.work = ContactWork(self.trace, self.normal, self.friction, self.last_step)
         self.own_arrays = of_one_contact(*(law.state for law in self.laws))
 
-    def _kinematics(self, key: str, law: type[NormalLaw]) -> ContactKinematics:
+    def _kinematics(
+        self, key: str, law: type[NormalLaw], has_small_strains: bool
+    ) -> ContactKinematics:
         sides = self.sides
+        if not has_small_strains:
+            assert self.contact.obstacle is not None
+            return CurrentObstacle(self.trace, self.contact.obstacle)
         if sides.opposite is not None and sides.pairing is not None:
             return BodyKinematics(self.trace, sides.opposite, sides.pairing, key)
         obstacle = (self.contact.obstacle or Obstacle()) if law.has_counterpart else None
@@ -228,6 +235,7 @@ class ContactSurface:
         Args:
             constrained: Dofs that supports hold (local indices, owned and ghost).
         """
+        self._constrained = constrained
         self.supports = SurfaceSupports(self.trace, constrained)
 
     def set_time(self, time: float) -> None:
@@ -308,6 +316,42 @@ class ContactSurface:
         left = self.last_step.open_after_pairing(self.state().gap)
         self.last_step.leave_open(float(self.trace.integral(left)))
 
+    def measure(self, displacement: Array) -> None:
+        """Measure gap, normals, slip and areas at a displacement, in finite strains; collective.
+
+        What is kept along the surface is taken along with its tangents, and forces that were found
+        stay the same.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, 2) (length).
+        """
+        kinematics, trace, last = self.kinematics, self.trace, self.last_step
+        assert isinstance(kinematics, CurrentObstacle)
+        normals, areas = trace.normals, trace.weights
+        kinematics.measure(displacement, along(last.state.slip, normals))
+        turn = partial(carried_along, before=normals, now=trace.normals)
+        self.friction.reference = turn(self.friction.reference)
+        last.carry(turn)
+        self.follow_supports(self._constrained)
+        kinematics.leave_out(self.supports.held_across)
+        self.normal.set_gap(kinematics.gap)
+        if self.found is not None:
+            share = areas / trace.weights
+            traction = turn(self.found.traction) * share[:, None]
+            pressure = self.found.pressure * share
+            self.take_found(replace(self.found, pressure=pressure, traction=traction))
+
+    def stand_at(self, displacement: Array) -> None:
+        """Measure where what is kept along the surface was known, after going back; collective.
+
+        Args:
+            displacement: That of the load step which is gone back to, as of ``measure``.
+        """
+        kinematics = self.kinematics
+        assert isinstance(kinematics, CurrentObstacle)
+        kinematics.measure(displacement, np.zeros(len(self.trace.weights)))
+        self.measure(displacement)
+
     def accept(self) -> None:
         """A load step is done: slip counts from here where the law is incremental; collective."""
         state = self.state()
@@ -316,6 +360,11 @@ class ContactSurface:
         self.normal.advance(state)
         self.friction.advance(state)
         self.friction.accept(state.slip)
+        is_open = state.status == OPEN
+        if self.kinematics.begin_slip_again(is_open):
+            slip = np.where(is_open[:, None], 0.0, state.slip)
+            self.friction.accept(slip)
+            self.last_step.count_from(slip)
 
     @property
     def is_path_dependent(self) -> bool:

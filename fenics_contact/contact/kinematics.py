@@ -7,7 +7,7 @@ for a second deformable body, and nowhere else.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import ClassVar
 
@@ -203,6 +203,21 @@ class ContactKinematics(ABC):
         """Take a gap that was found from where the two sides stand."""
         self._drawn = drawn
         self.overlap_by(self.interference, self.worn)
+
+    def kept(self) -> dict[str, Array]:
+        """Arrays at the points that a later load step needs, by name; mostly none."""
+        return {}
+
+    def recall(self, at_points: Mapping[str, Array]) -> None:  # noqa: B027  (most keep nothing)
+        """Go back to arrays that ``kept`` gave, others among them."""
+
+    def begin_slip_again(self, points: Flags) -> bool:
+        """Count slip of some points from where they are now; whether it can be: mostly not.
+
+        Args:
+            points: Which, (points,).
+        """
+        return False
 
     def relative_sliding(self, closed: Flags) -> float:
         """Slip since it was found what faces what, over the size of the contact; collective.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
@@ -143,6 +143,16 @@ class LastStep:
             slip: Since the start, (points, components) (length).
         """
         self.state = replace(self.state, slip=slip)
+
+    def carry(self, turn: Callable[[Array], Array]) -> None:
+        """Take vectors along with the surface, which has turned since.
+
+        Args:
+            turn: Gives such vectors along the surface as it is now, (points, components).
+        """
+        state = self.state
+        slip, traction = turn(state.slip), turn(state.friction_traction)
+        self.state = replace(state, slip=slip, friction_traction=traction)
 
     def open_after_pairing(self, gap: Array) -> Array:
         """Work that a repeated contact search leaves open after a step, (points,) (energy/area).

@@ -8,9 +8,10 @@ import numpy as np
 import ufl
 
 from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.body.finite.hyperelastic_body import HyperelasticBody
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common import form_cache
-from fenics_contact.common.arrays import Array
+from fenics_contact.common.arrays import Array, in_3d
 from fenics_contact.common.parallel import total
 from fenics_contact.evaluate.contact_quantities import resultant
 from fenics_contact.evaluate.internal_forces import Balances, InternalForces, own_dofs
@@ -23,8 +24,8 @@ from fenics_contact.solve.systems.solution import Solution
 def stress_on(spaces: Spaces, elastic: ElasticBody, group: Group) -> ufl.Form:
     """∫ σ n · v over a group of facets, in UFL: over a constant v, a resultant (force)."""
     size, test = spaces.components, ufl.TestFunction(spaces.displacement_space)
-    cauchy, normal = elastic.stress(), ufl.FacetNormal(spaces.body.mesh)
-    traction = [sum(cauchy[i, j] * normal[j] for j in range(size)) for i in range(size)]
+    stress, normal = elastic.nominal_stress(), ufl.FacetNormal(spaces.body.mesh)
+    traction = [sum(stress[i, j] * normal[j] for j in range(size)) for i in range(size)]
     measure = spaces.boundary(group)
     return spaces.weight * ufl.dot(ufl.as_vector(traction), test) * measure
 
@@ -92,8 +93,13 @@ class BulkForces(InternalForces):
 
     @cached_property
     def strain_energy(self) -> float:
-        """½ a(e, e) of the elastic strain e: beyond what is free of stress (energy)."""
-        solution = self.solution
+        """½ a(e, e) of the elastic strain e: beyond what is free of stress (energy).
+
+        In finite strains ∫ Ψ(F).
+        """
+        solution, elastic = self.solution, self.problem.elastic
+        if isinstance(elastic, HyperelasticBody):
+            return elastic.energy_at(solution.displacement)
         product = self._summed(solution.displacement * solution.internal_force)
         for foot in self.problem.feet:  # K has their springs, too
             pull = foot.springs.pull(solution.displacement)
@@ -191,7 +197,10 @@ class BulkForces(InternalForces):
         applied = (self.load + self.reactions + self.contacts + self.across_cut)[:owned]
         forces = np.zeros((owned, 3))
         forces[:, : spaces.components] = applied
-        moments = np.cross(parts.arms[:owned], forces) / parts.sizes[parts.of_node[:owned], None]
+        arms = parts.arms[:owned]
+        if not self.problem.elastic.is_linear:  # forces balance where they act now
+            arms = arms + in_3d(self.displacement[:owned])
+        moments = np.cross(arms, forces) / parts.sizes[parts.of_node[:owned], None]
         sums = parts.sums(np.hstack([forces, moments, np.abs(applied).sum(axis=1)[:, None]]))
         return Balances(sums[:, :3], sums[:, 3:6], sums[:, 6])
 

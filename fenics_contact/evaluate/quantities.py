@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fenics_contact.body.finite.hyperelastic_body import HyperelasticBody
 from fenics_contact.common.arrays import Array, Integers, in_3d
 from fenics_contact.common.parallel import gather_rows, total
 from fenics_contact.contact.state import OPEN, SLIP, STICK
@@ -15,6 +16,9 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.quantities.names import (
     EXTERNAL_WORK,
+    MAX_STRETCH,
+    MIN_STRETCH,
+    MIN_VOLUME_RATIO,
     REACTION,
     REACTION_MOMENT,
     SPRING_ENERGY,
@@ -106,6 +110,23 @@ def global_quantities(forces: InternalForces, contacts: list[dict[str, Any]]) ->
         **({SPRING_ENERGY: forces.spring_energy} if problem.is_sprung else {}),
         EXTERNAL_WORK: float(work),
         **forces.at_points(),
+    }
+
+
+def stretch_quantities(forces: InternalForces) -> dict[str, float]:
+    """Extreme stretches of a body by their names; none of linear elasticity; collective.
+
+    Args:
+        forces: Of the answer.
+    """
+    elastic = forces.problem.elastic
+    if not isinstance(elastic, HyperelasticBody):
+        return {}
+    found = elastic.stretches_at(forces.displacement)
+    return {
+        MIN_VOLUME_RATIO: found.volume_ratio,
+        MAX_STRETCH: found.most,
+        MIN_STRETCH: found.least,
     }
 
 

@@ -15,6 +15,7 @@ from dolfinx import fem
 from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.description import BodyDescription
 from fenics_contact.body.elastic_body import ElasticBody
+from fenics_contact.body.finite.hyperelastic_body import HyperelasticBody
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.body.supports import HeldDofs
 from fenics_contact.common.arrays import Integers
@@ -66,8 +67,7 @@ class DiscreteBody:
         if sector is not None:
             mortar = CutProjection(self.spaces, sector.on, sector.against).shares
             self.cut = CutFaces(sector, self.spaces, mortar)
-        known = self.spaces, self.displacement, self.held, self.cut
-        self.elastic = ElasticBody(description, *known)
+        self.elastic = self._elastic()
         self.is_kept = False
         self.found: dict[Hashable, Any] = {}
         named = [
@@ -85,6 +85,13 @@ class DiscreteBody:
             ContactSides(surfaces, keeps, why, self.constrained)
             for surfaces, (keeps, why) in zip(named, choose_slaves(named), strict=True)
         ]
+
+    def _elastic(self) -> ElasticBody:
+        """The body's energy: linear elasticity, or that of finite strains."""
+        known = self.description, self.spaces, self.displacement, self.held
+        if self.description.strains == "finite":
+            return HyperelasticBody(*known)
+        return ElasticBody(*known, self.cut)
 
     def serve_many(self) -> None:
         """From now on keep what each problem would work out."""

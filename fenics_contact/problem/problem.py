@@ -92,6 +92,7 @@ class Problem:
     ) -> None:
         timings = timings or Timings()
         discrete.require_fit(scene)
+        by_points = by_points or not discrete.elastic.is_linear  # areas change, forms do not
         scene = self.scene = with_time_step(scene, discrete.elastic, discrete.spaces)
         self.discrete = discrete
         self.spaces, self.displacement = discrete.spaces, discrete.displacement

@@ -27,7 +27,7 @@ class SupportMoments:
 
     Attributes:
         centres: The point of each support, (components,) each (length); none in axisymmetric
-            models, which have no moments.
+            models, which have no moments, and in finite strains, where arms change.
 
     Args:
         scene: Which may give the points.
@@ -41,7 +41,7 @@ class SupportMoments:
         self._spaces, self._discrete = discrete.spaces, discrete
         self._supports = supports
         self.centres: list[Array] = []
-        if scene.kinematics == "axisymmetric":
+        if scene.kinematics == "axisymmetric" or scene.has_finite_strains:
             return
         given = {
             one.label: np.array(one.moment_about, dtype=np.float64)

@@ -157,11 +157,7 @@ class SharedReactions:
         spaces, elastic = self._spaces, self._elastic
         mesh, test = spaces.body.mesh, ufl.TestFunction(spaces.displacement_space)
         normal = ufl.FacetNormal(mesh)
-        stress = (
-            elastic.law.stress(elastic.elastic_strain(self._moved))
-            if elastic.mixed is None
-            else elastic.stress()
-        )
+        stress = elastic.nominal_stress(self._moved)
         domains = [
             (axis + 1, compat.boundary_entities(mesh.topology, facets))
             for axis, facets in enumerate(by_axis)

@@ -45,6 +45,9 @@ UNDECIDED_POINTS = "undecided_points"
 SLIP_SINCE_PAIRING = "slip_since_pairing"
 CLOSED_GAP = "closed_gap"
 HEAT_FLOW = "heat_flow"
+MIN_VOLUME_RATIO = "min_volume_ratio"
+MAX_STRETCH = "max_stretch"
+MIN_STRETCH = "min_stretch"
 #: Begins the name of the displacement of a ``[[point]]``.
 OF_POINTS = "displacement_"
 #: Begins the names of the components of the stress there.

@@ -171,7 +171,11 @@ ROWS = (
         needs="friction",
     ),
     Quantity(
-        names.STRAIN_ENERGY, "energy", "½ a(u, u)", is_asked_for=True, singular=Singular.ENERGY
+        names.STRAIN_ENERGY,
+        "energy",
+        "½ a(u, u); in finite strains ∫ Ψ(F) of the stored energy Ψ",
+        is_asked_for=True,
+        singular=Singular.ENERGY,
     ),
     Quantity(
         names.SPRING_ENERGY,
@@ -414,5 +418,24 @@ ROWS = (
         "between bodies: the widest gap of the meshes that has closed",
         together=Together.NOT_THERE,
         has_true_value=False,
+    ),
+    Quantity(
+        names.MIN_VOLUME_RATIO,
+        "",
+        "in finite strains: least volume over undeformed volume, det F, at the points where the "
+        "energy is integrated",
+        singular=Singular.PEAK,
+    ),
+    Quantity(
+        names.MAX_STRETCH,
+        "",
+        "in finite strains: largest length over undeformed length, at the same points",
+        singular=Singular.PEAK,
+    ),
+    Quantity(
+        names.MIN_STRETCH,
+        "",
+        "in finite strains: smallest one in the plane",
+        singular=Singular.PEAK,
     ),
 )

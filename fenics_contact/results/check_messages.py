@@ -180,6 +180,20 @@ WORDS: Mapping[str, CheckWords] = {
         "difference over the mean pressure.",
         "the two pressures differ by {share} of their mean; pressures are not resolved",
     ),
+    "volume_ratio": CheckWords(
+        "In finite strains: the largest share of its volume that any piece of a body has lost, "
+        "1 − det F. Cells that collapse, as in a corner that folds, lose nearly all, on a wrong "
+        "branch of equilibria.",
+        "a piece of the body has lost {share} of its volume: cells have collapsed; take smaller "
+        "load steps, or triangles in a corner that folds",
+    ),
+    "stable_equilibrium": CheckWords(
+        "In finite strains: the number of motions in which the body would leave the equilibrium by "
+        "itself: negative eigenvalues of its tangent, of motions that contact and friction leave. "
+        "Such an answer is one on a branch that nobody sees: the body has buckled before.",
+        "the equilibrium is not stable: the body would leave it by itself, as a strip that "
+        "buckles; take smaller load steps, and a small imperfection to follow",
+    ),
     "linear_range": CheckWords(
         "No part of the body is turned inside out, and none passes through what holds it, in any "
         "load step; over the volume of a part, of a material, or of what lies near a surface that "

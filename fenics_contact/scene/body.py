@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from fenics_contact.common.arrays import Array
+from fenics_contact.scene.laws import energies
 from fenics_contact.scene.units.dimensions import (
     CONDUCTIVITY,
     DENSITY,
@@ -258,6 +259,13 @@ class Material:
         Positive | None,
         CONDUCTIVITY,
         Field(description="of heat; needed where a scene has `[[heat]]`"),
+    ] = None
+    law: Annotated[
+        Annotated[Text, OneOf(energies.names)] | None,
+        Field(
+            description="stored energy in finite strains, which has the moduli in small ones: "
+            + "; ".join(f"`{name}`: {formula}" for name, formula in energies.FORMULAS.items())
+        ),
     ] = None
 
     def __post_init__(self) -> None:

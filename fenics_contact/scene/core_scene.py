@@ -16,7 +16,7 @@ from fenics_contact.scene.loading.temperatures import Temperature
 from fenics_contact.scene.obstacle import HalfSpace
 from fenics_contact.scene.quantity_names import QuantityNames
 from fenics_contact.scene.settings import Accuracy, SolverSettings, Steps
-from fenics_contact.scene.values import HasUnits, Kinematics, Repetition, Value
+from fenics_contact.scene.values import HasUnits, Kinematics, Repetition, Strains, Value
 
 
 class LoadCycles:
@@ -59,6 +59,7 @@ class CoreScene(HasUnits):
     heat: tuple[Heat, ...]
     solver: SolverSettings
     cyclic_symmetry: CyclicSymmetry | None
+    strains: Strains
 
     def path_time(self, time: float) -> float:
         """The pseudo-time at which load paths are asked: of all cycles that in the first.
@@ -86,8 +87,13 @@ class CoreScene(HasUnits):
     @property
     def is_exact(self) -> bool:
         """Whether contacts are solved without penalty, or friction without smoothing."""
-        is_asked = self.solver.strategy == "exact"
+        is_asked = self.solver.strategy == "exact" or self.has_finite_strains
         return is_asked or any(contact.is_exact for contact in self.contact)
+
+    @property
+    def has_finite_strains(self) -> bool:
+        """Whether strains, rotations and sliding may be large."""
+        return self.strains == "finite"
 
     @property
     def is_per_unit_thickness(self) -> bool:

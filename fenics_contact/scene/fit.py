@@ -10,6 +10,7 @@ from fenics_contact.scene.body import MeshSource
 from fenics_contact.scene.contact import Contact, kinds_in_motion
 from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.laws.exact import require_exact
+from fenics_contact.scene.laws.finite_strains import require_finite_strains
 from fenics_contact.scene.loading.conditions import Preload
 from fenics_contact.scene.loading.load_paths import moduli_change, require_cycles
 from fenics_contact.scene.loading.motion import Motion
@@ -45,6 +46,7 @@ def require_fit(scene: CoreScene) -> None:
     require_cycles(scene)
     _require_motion(scene)
     _require_sector(scene)
+    require_finite_strains(scene)
     require_exact(scene)
     for part in registry.parts_of_scene(scene, "table"):
         part.require(scene)

@@ -43,6 +43,7 @@ from fenics_contact.scene.values import (
     Integer,
     Kinematics,
     Positive,
+    Strains,
     Text,
     Value,
     as_list,
@@ -248,6 +249,13 @@ class Scene(CoreScene):
             max_length=_MOST,
         ),
     ] = ()
+    strains: Annotated[
+        Strains,
+        Field(
+            description="`small`: linear elasticity; `finite`: large strains, rotations and "
+            "sliding in plane strain, with the stored energy that `material.law` names"
+        ),
+    ] = "small"
 
     def use_units(self) -> None:
         """Put numbers where there are texts with a unit, and values of materials by name."""

@@ -34,6 +34,7 @@ Integer = Annotated[int, Strict()]
 Text = Annotated[str, Field(min_length=1)]
 AxisName = Literal["x", "y", "z"]
 Kinematics = Literal["plane strain", "plane stress", "axisymmetric", "3D"]
+Strains = Literal["small", "finite"]
 
 
 @dataclasses.dataclass(frozen=True)

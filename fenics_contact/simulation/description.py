@@ -68,6 +68,7 @@ def model_of(
     cells = problem.body.mesh.topology.index_map(problem.body.dimension)
     return Model(
         kinematics=problem.scene.kinematics,
+        strains=problem.scene.strains,
         degree=problem.spaces.degree,
         cell=problem.body.mesh.topology.cell_name(),
         bodies=list(problem.spaces.parts.names),
@@ -108,6 +109,8 @@ def _free_modes(problem: Problem) -> int | None:
 
 def _strategy_of(problem: Problem, solution: Solution | None) -> str:
     """How friction and pressure are brought together, or were."""
+    if not problem.elastic.is_linear:
+        return f"finite strains: {solution.strategy if solution else 'nested loops'}"
     if problem.coulomb:
         chosen = problem.scene.solver.strategy
         return f"Coulomb friction: {solution.strategy if solution else chosen}"

@@ -13,7 +13,12 @@ from fenics_contact.evaluate.contact_quantities import contact_quantities, slid
 from fenics_contact.evaluate.energy_balance import EnergyBalance, load_records
 from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.momentum_balance import MomentumBalance, MovingForces
-from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
+from fenics_contact.evaluate.quantities import (
+    global_quantities,
+    scalar_records,
+    stretch_quantities,
+    support_records,
+)
 from fenics_contact.evaluate.stress_at_places import stress_at_points
 from fenics_contact.evaluate.temperatures import ModelTemperatures
 from fenics_contact.problem.existence.slip_shares import share_of_contact, slip_shares
@@ -158,6 +163,8 @@ class StepHistory(Generic[_Forces]):
     def _looks_inside(self) -> bool:
         """Whether strains of the next step are looked at, which takes a quarter of its time."""
         motion, number = self._problem.scene.motion, len(self.steps) + 1
+        if not self._problem.elastic.is_linear:  # strains need not be small
+            return False
         if motion is None or not self.forces.tells_inside:
             return self.forces.tells_inside
         every = _SELDOM if motion.steps.number >= _MANY else 1
@@ -254,6 +261,7 @@ class StepHistory(Generic[_Forces]):
                 for number in range(len(self._problem.contacts))
             ]
             found = global_quantities(self.forces, self.by_contact)
+            found |= stretch_quantities(self.forces)
             found |= stress_at_points(self._problem, solution)
             return found if self._temperatures is None else found | self._temperatures.quantities()
 
@@ -279,7 +287,7 @@ class StepHistory(Generic[_Forces]):
     def _slip_share(self, solution: Solution, number: int) -> dict[str, Any]:
         """Return the share of its friction that a contact uses, if it has any; collective."""
         contact = self._problem.contacts[number]
-        if not contact.friction.has_friction:
+        if not contact.friction.has_friction or not self._problem.elastic.is_linear:
             return {}
         return {SLIP_SHARE: share_of_contact(contact, solution.states[number])}
 

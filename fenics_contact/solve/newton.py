@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from fenics_contact.common.timings import Timings
 from fenics_contact.problem.problem import Problem
 from fenics_contact.solve.at_points.exact_step import ExactSolver
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
+from fenics_contact.solve.finite.finite_system import FiniteSystem
+from fenics_contact.solve.finite.nested_solver import NestedSolver
 from fenics_contact.solve.globalisation import (
     ENERGY_SEARCH,
     ON_THE_WAY,
@@ -37,6 +40,7 @@ class Newton(SnesSolve):
         begin: Where the next solve begins.
         softened: Whether the last solve took softer penalties first: its start is a bad one.
         exact: Solves the laws of contacts exactly, where the scene asks for that.
+        nested: Solves load steps in finite strains; None of small strains.
 
     Args:
         problem: The problem.
@@ -55,6 +59,7 @@ class Newton(SnesSolve):
         super().__init__(problem, system, timings, stopped)
         self.softened = self._is_held = False
         self.begin = Beginning(problem, system, timings)
+        self.nested = system.nested if isinstance(system, FiniteSystem) else None
         self.exact: ExactSolver | None = None
         acts = any(contact.forces.terms for contact in problem.contacts)
         if acts and problem.scene.is_exact and isinstance(system, CondensedSystem):
@@ -169,6 +174,23 @@ class Newton(SnesSolve):
         finally:
             self._most = None
         self.system.take(self.system.state)
+
+    def solve_nested(self, nested: NestedSolver) -> Solution:
+        """Solve a load step in finite strains from the present displacement; collective.
+
+        Args:
+            nested: Of this problem.
+
+        Raises:
+            NotConvergedError: It finds no answer.
+        """
+        with self.timings.phase("solve"):
+            answer = nested.solve(self.require_going_on)
+        self.steps += len(answer.history)
+        self.imbalances.extend(answer.history)
+        self.limit = answer.limit
+        found = self.solution(0, answer.way)
+        return replace(found, unstable_motions=answer.unstable_motions)
 
     def solve_exactly(self, exact: ExactSolver, start: Array | None = None) -> Solution:
         """Solve the laws of all contacts exactly, at the present loads; collective.

@@ -28,6 +28,7 @@ from fenics_contact.solve.at_points.point_laws import why_not
 from fenics_contact.solve.condensed.condensed_body import CondensedBody
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem, acting_sides
 from fenics_contact.solve.condensed.elimination import pays
+from fenics_contact.solve.finite.finite_system import FiniteSystem
 from fenics_contact.solve.glued_system import GluedSystem, is_glueable
 from fenics_contact.solve.iterative.contact_zone import cannot_be_carried
 from fenics_contact.solve.iterative.iterative_system import IterativeSystem
@@ -385,6 +386,8 @@ def create_system(
         timings: Seconds so far.
         condense: Gives the body condensed, if one is kept for several problems.
     """
+    if not problem.elastic.is_linear:
+        return FiniteSystem(problem, timings)
     if choice.name == "condensed":
         body = condense and condense(problem, timings)
         near = near_nodes(problem) if body is None else []

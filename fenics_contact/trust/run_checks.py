@@ -22,6 +22,7 @@ from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.results.result import Check
 from fenics_contact.trust.convergence.unseen import unseen_contact
 from fenics_contact.trust.cut_check import cyclic_symmetry
+from fenics_contact.trust.finite.branch_checks import stable_equilibrium, volume_ratio
 from fenics_contact.trust.friction_checks import (
     ComparedFriction,
     compared_friction,
@@ -124,6 +125,8 @@ OF_EVERY_SOLUTION: Mapping[str, Callable[[Solved], Check | None]] = {
     "unseen_contact": lambda solved: unseen_contact(solved.forces),
     "heat_balance": lambda solved: heat_balance(solved.forces),
     "slip_limit": lambda solved: slip_limit(solved.forces),
+    "volume_ratio": lambda solved: volume_ratio(solved.forces),
+    "stable_equilibrium": lambda solved: stable_equilibrium(solved.forces),
 }
 # Then those that laws claim.
 OF_LAWS: Mapping[str, Callable[[Claimed], Check | None]] = {

@@ -113,6 +113,8 @@ def slip_factor(load_steps: LoadSteps, by_steps: bool, near: float | None = None
     last, problem = load_steps.last, load_steps.problem
     if last is None or problem.inertia.moves or not problem.frictional:
         return SlipFactor()
+    if not problem.elastic.is_linear:  # the tractions would have to move with the body
+        return SlipFactor()
     before = 0.0 if last.before is None else last.before.time
     drives = [[one.paths.force(time) for one in problem.contacts] for time in (before, last.time)]
     growth = _Growth(load_steps, _varying_load(problem, before))

@@ -9,6 +9,7 @@ from fenics_contact.verification.case import Case, Finding, Outcome
 from fenics_contact.verification.cells import CELLS_CASES
 from fenics_contact.verification.exact import EXACT_CASES
 from fenics_contact.verification.exact_limits import EXACT_LIMIT_CASES
+from fenics_contact.verification.finite.rubber import FINITE_CASES
 from fenics_contact.verification.memory_check import MEMORY_CASES
 from fenics_contact.verification.published.assemblies import JOINT_CASES, PRESS_FIT_CASES
 from fenics_contact.verification.published.cycle import CYCLE_CASES, WEAR_CASES, WEAR_LIMIT_CASES
@@ -70,6 +71,7 @@ CASES: tuple[Case, ...] = (
     *HEAT_CASES,
     *EXACT_CASES,
     *EXACT_LIMIT_CASES,
+    *FINITE_CASES,
     *WEAR_CASES,
     *WEAR_LIMIT_CASES,
     *FRETTING_CASES,

@@ -80,6 +80,8 @@ EXPECTED = {
         "heat_flow": (-565398.34, 1e-5),
         "max_temperature": (200, 1e-12),
     },
+    # Of a program apart from this one, with penalties.
+    "ironing": {"contact_force": ([0.123484, -0.411790], 1e-4)},
 }
 # The same without friction.
 FRICTIONLESS = {

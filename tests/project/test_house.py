@@ -49,7 +49,7 @@ INSIDE = {
     "contact": ("surface", "mortar", "kinematics", "laws"),
     "report": ("drawing", "contacts", "bodies", "page"),
     "solve": (
-        *("systems", "condensed", "glued", "iterative", "exact", "at_points"),
+        *("systems", "condensed", "glued", "iterative", "exact", "at_points", "finite"),
         *("newton_failure", "initial_guess", "snes_solve", "newton"),
         *("coulomb", "load_steps"),
     ),

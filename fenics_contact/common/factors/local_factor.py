@@ -17,6 +17,7 @@ from fenics_contact.common.errors import FenicsContactError
 from fenics_contact.common.factors.petsc_calls import call
 from fenics_contact.common.petsc_options import PREFIX
 
+_NEGATIVE_PIVOTS = 12  # MUMPS' INFOG(12)
 _WITHOUT_SCHUR_DOFS = 0  # MUMPS' ICNTL(26): solve with K_II alone
 # Of the root of both diagonal entries: how far the stiffness of an equal part that stands elsewhere
 # may be off. Gmsh places nodes to 1e-12.
@@ -77,6 +78,15 @@ class LocalFactor:
             self.schur = self._read_schur()
         for rows in asked:
             rows.destroy()
+
+    @property
+    def negative_pivots(self) -> int | None:
+        """Number of negative eigenvalues of what is inside; None where LU does not tell."""
+        if self._preconditioner is None:
+            return 0
+        if self._kind != "cholesky":
+            return None
+        return int(self._preconditioner.getFactorMatrix().getMumpsInfog(_NEGATIVE_PIVOTS))
 
     def forget_schur(self) -> None:
         """Keep the Schur complement no longer, which is large."""

@@ -121,15 +121,20 @@ class SurfacePieces:
         weights: Factor of integrals at the corners (2πr where axisymmetric, else a thickness or 1),
             (pieces, corners).
         measures: Areas times the mean of these, (pieces,).
+
+    Args:
+        surface: The surface.
+        contact_nodes: Nodes that are contact points.
+        coordinates: Where all nodes are, (nodes, 3) (length).
     """
 
-    def __init__(self, surface: SurfaceSpace, contact_nodes: Integers) -> None:
+    def __init__(self, surface: SurfaceSpace, contact_nodes: Integers, coordinates: Array) -> None:
         nodes = self.nodes = _facet_pieces(surface)
         point_of = np.full(len(surface.coordinates), -1)
         point_of[contact_nodes] = np.arange(len(contact_nodes))
         points = point_of[nodes]
         self.points = np.where(points < 0, points.max(axis=1, initial=0)[:, None], points)
-        self.corners = surface.coordinates[nodes]
+        self.corners = coordinates[nodes]
         edges = self.corners[:, 1:] - self.corners[:, :1]
         if edges.shape[1] == 1:
             self.areas = np.linalg.norm(edges[:, 0], axis=1)

@@ -81,6 +81,20 @@ class SurfaceSpace:
         varying = None if thickness is None else self.coefficient(thickness)
         self.weight = measure_weight(spaces.kinematics, self.position, varying)
 
+    def stretch_by(self, stretch: Expr) -> None:
+        """Let integrals be over current areas from now on, in forms that are made later.
+
+        Args:
+            stretch: Current area over that of the mesh, in UFL; it may change.
+        """
+        self.weight = self.weight * stretch
+        self.__dict__.pop("mass", None)
+        self.follow_stretch()
+
+    def follow_stretch(self) -> None:
+        """Forget what was worked out before the areas changed."""
+        self.__dict__.pop("mass_factor", None)
+
     @cached_property
     def mass(self) -> CompiledForm:
         """∫ N_i N_j of the scalar space, a compiled form."""

@@ -16,7 +16,7 @@ from ufl.core.expr import Expr
 
 from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.spaces import Spaces
-from fenics_contact.common.arrays import Array, Flags, Integers, Kind
+from fenics_contact.common.arrays import Array, Flags, Integers, Kind, in_3d
 from fenics_contact.common.parallel import largest, smallest, total
 from fenics_contact.contact.surface.facets import NodalNormals, SurfacePieces
 from fenics_contact.contact.surface.point_rule import (
@@ -95,6 +95,7 @@ class Trace:
         self._counted: Function | None = None
         self._area_form: CompiledForm | None = None
         self._whole_weights = self.weights
+        self._current = self.surface.coordinates
         self.area = float(self.integral(np.ones(len(self.weights))))
 
     def _append(self, centres: FacetCentres) -> None:
@@ -142,6 +143,27 @@ class Trace:
         counts = weights > 1e-6 * self._whole_weights
         self.weights = np.where(counts, weights, self._whole_weights)
         return counts
+
+    def stretch_by(self, stretch: Expr) -> None:
+        """Let points stand for current areas, which are followed from now on; where all are nodes.
+
+        Args:
+            stretch: Current area over that of the mesh, in UFL.
+        """
+        self.surface.stretch_by(stretch)
+        self.weight = self.weight * stretch
+        self._area_form = node_form(self.surface, self.weight, self._nodal_measure)
+
+    def follow_stretch(self, displacement: Array) -> None:
+        """Take areas and pieces as they are now; collective.
+
+        Args:
+            displacement: At all nodes of the surface, (nodes, components) (length).
+        """
+        self.surface.follow_stretch()
+        self.weights = self._areas(self._area_form)[self.numbers]
+        self._current = self.surface.coordinates + in_3d(displacement)
+        self._pieces = None
 
     @property
     def measure(self) -> Measure:
@@ -279,7 +301,7 @@ class Trace:
     def pieces(self) -> SurfacePieces:
         """This rank's facets in segments or triangles between neighbouring nodes."""
         if self._pieces is None:
-            self._pieces = SurfacePieces(self.surface, self.numbers)
+            self._pieces = SurfacePieces(self.surface, self.numbers, self._current)
         return self._pieces
 
 

@@ -68,6 +68,12 @@ def require_equilibrium(problem: Problem) -> FreeMotion:
     last = problem.scene.load_steps.last
     rigid = RigidMotions(problem)
     motions = tuple(named_motions(problem, rigid))
+    if not problem.elastic.is_linear and motions:
+        raise NoEquilibriumError(
+            f'strains = "finite": the supports leave a rigid motion free ({motions[0]["motion"]}), '
+            "which only contact could hold; this is not there yet, so add a support or a plane of "
+            "symmetry"
+        )
     if problem.inertia.moves:  # what loads do not hold, they move
         return FreeMotion(len(motions), 0.0, "none: bodies move", motions)
     _require_something(problem, rigid)

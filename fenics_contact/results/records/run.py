@@ -22,7 +22,7 @@ from fenics_contact.results.records.contacts import (
 )
 from fenics_contact.results.records.record import Errors, Quantities, Record, UnitsRecord
 from fenics_contact.results.records.steps import BranchRecord, CheckRecord, CyclesRecord, StepRecord
-from fenics_contact.scene.values import Kinematics
+from fenics_contact.scene.values import Kinematics, Strains
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -70,6 +70,7 @@ class Model(Record):
         free_modes_error: How far its contact forces and kinetic energy may be off for lack of
             others, over the largest: the check `free_modes`.
         bulk_factorisations: How often the stiffness of the bodies was factorised.
+        strains: `small` or `finite`, as in the scene.
     """
 
     LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
@@ -99,6 +100,7 @@ class Model(Record):
     free_modes: int | None = None
     free_modes_error: float | None = None
     bulk_factorisations: int | None = None
+    strains: Strains = "small"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -115,7 +115,10 @@ def with_changes(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 
 def refuse_accuracy(scene: Scene) -> None:
-    """One that asks for an accuracy has its own meshes, and one that moves masses.
+    """Refuse scenes whose body is another one in each answer, or in each load step.
+
+    One that asks for an accuracy has its own meshes, one that moves masses, and in finite strains
+    the stiffness is that of each step.
 
     Raises:
         InputError: It does.
@@ -123,6 +126,11 @@ def refuse_accuracy(scene: Scene) -> None:
     if scene.motion is not None:
         raise InputError(
             "motion: a study keeps the stiffness of a body at rest; solve scenes with motion by run"
+        )
+    if scene.has_finite_strains:
+        raise InputError(
+            'strains = "finite": a study keeps the stiffness of a body for all answers, which '
+            "follows the displacement here; solve such scenes by run"
         )
     if scene.accuracy is not None:
         raise InputError(

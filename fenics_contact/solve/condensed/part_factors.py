@@ -114,6 +114,13 @@ class RankFactor:
             found[np.ix_(places, places)] = factor.schur
         return found
 
+    @property
+    def negative_pivots(self) -> int | None:
+        """Number of negative eigenvalues inside of this rank's cells; None where not known."""
+        found = [factor.negative_pivots for factor in self._factors]
+        known = [count for count in found if count is not None]
+        return sum(known) if len(known) == len(found) else None
+
     def forget_schur(self) -> None:
         """Keep it no longer, unless the factors are for other bodies, too."""
         if self._is_own:

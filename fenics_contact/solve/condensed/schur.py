@@ -80,6 +80,7 @@ class CondensedBulk:
         self._places = [order[np.searchsorted(union, numbers)] for numbers in every]
         self.count = len(contact)
         self._size = len(union)
+        self._between: tuple[Array, Integers] | None = None
         self.schur = self._sum_and_condense(self._inside.schur())
         self._inside.forget_schur()
 
@@ -104,6 +105,14 @@ class CondensedBulk:
             return np.asarray(whole)
         self._carried = lu_solve(self._between, whole[between, contact])
         return np.asarray(whole[contact, contact] - whole[contact, between] @ self._carried)
+
+    def negative_eigenvalues(self) -> int | None:
+        """How many K_II has, contact dofs being held; None where not known; collective."""
+        counts = of_every_rank(self.comm, self._inside.negative_pivots)
+        known = [count for count in counts if count is not None]
+        between = 0 if self._between is None else _negative(*self._between)
+        between = from_root(self.comm, between)
+        return sum(known) + between if len(known) == len(counts) else None
 
     def condense(self, load: Array) -> Array:
         """f_C − K_CI K_II⁻¹ f_I, on rank 0; collective.
@@ -182,6 +191,14 @@ class CondensedBulk:
     def destroy(self) -> None:
         """Free PETSc's objects."""
         self._inside.destroy()
+
+
+def _negative(factors: Array, pivots: Integers) -> int:
+    """Number of negative eigenvalues of a symmetric matrix, by its LU factors."""
+    found = (np.tril(factors, -1) + np.eye(len(factors))) @ np.triu(factors)
+    for row in reversed(range(len(pivots))):
+        found[[row, pivots[row]]] = found[[pivots[row], row]]
+    return int((np.linalg.eigvalsh(found) < 0).sum())
 
 
 class BulkWithoutFactor(CondensedBulk):

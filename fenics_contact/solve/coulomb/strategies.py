@@ -68,6 +68,8 @@ def solve_step(newton: Newton) -> Solution:
 
 def _solve_step(newton: Newton) -> Solution:
     problem = newton.problem
+    if newton.nested is not None:
+        return newton.solve_nested(newton.nested)
     if newton.exact is not None:
         return newton.solve_exactly(newton.exact)
     if not problem.coulomb:

@@ -92,10 +92,12 @@ def scaled(
         found = _on_both_sides(found, metric, points, dimension)
         diagonal = np.einsum("ii->i", found)
     of_points = diagonal[:count].reshape(points, dimension)
-    trace = of_points.sum(axis=1)
+    # A stiffness that is not positive, as of bodies in compression, leaves compliances below 0.
+    sizes = np.abs(of_points)
+    trace = sizes.sum(axis=1)
     # Rows of directions in which a point is held are 0: their slip is 0 whatever the force. With
     # a compliance of their own, which nothing else sees, the force there is 0, too.
-    held = of_points <= _HELD * trace.max()
+    held = sizes <= _HELD * trace.max()
     free = dimension - held.sum(axis=1)
     typical = float(trace.max()) / dimension or 1.0
     mean = np.where(free > 0, trace / np.maximum(free, 1), typical)

@@ -19,7 +19,9 @@ from fenics_contact.solve.exact.sweeps import Sweeps
 _SWEEPS = (3, 10, 40, 200, 1000)
 
 
-def solve(problem: LocalProblem, start: Array | None = None) -> ExactAnswer:
+def solve(
+    problem: LocalProblem, start: Array | None = None, is_patient: bool = True
+) -> ExactAnswer:
     """Find forces that satisfy the laws of all points.
 
     Newton's method begins at the given start, then at the adhesive one. Where it fails, it begins
@@ -31,6 +33,8 @@ def solve(problem: LocalProblem, start: Array | None = None) -> ExactAnswer:
         problem: W, q and the laws.
         start: Forces to begin with, such as those of an answer nearby, (rows,) (force); values of
             the scalars in their rows.
+        is_patient: Whether to begin after more and more sweeps. Who can take a smaller load step in
+            place of it is done sooner without.
 
     >>> import numpy as np
     >>> from fenics_contact.solve.exact import LocalProblem, PointLaws
@@ -50,7 +54,7 @@ def solve(problem: LocalProblem, start: Array | None = None) -> ExactAnswer:
     sweeps = Sweeps(tries.equations)
     if tries.sweep(sweeps, _SWEEPS[0]) or tries.follow():
         return tries.answer()
-    for number in _SWEEPS[1:]:
+    for number in _SWEEPS[1:] if is_patient else ():
         if tries.sweep(sweeps, number):
             break
     return tries.answer()

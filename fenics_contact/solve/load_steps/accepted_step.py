@@ -63,6 +63,7 @@ def remember(contact: ContactSurface) -> ContactMemory:
         | contact.last_step.at_points()
         | contact.normal.kept()
         | contact.wear.kept()
+        | contact.kinematics.kept()
         | ({} if contact.found is None else contact.found.kept()),
         paired_at=kinematics.paired_at,
         dissipated_before=contact.last_step.dissipated_before,
@@ -90,6 +91,7 @@ def recall(contact: ContactSurface, memory: ContactMemory) -> None:
     contact.friction.recall(memory.at_points)
     contact.take_found(None if contact.found is None else contact.found.recalled(memory.at_points))
     contact.wear.recall(memory.at_points)
+    contact.kinematics.recall(memory.at_points)
     contact.kinematics.overlap_by(contact.kinematics.interference, contact.wear.depth)
     contact.normal.set_gap(contact.kinematics.gap)
 

@@ -16,6 +16,8 @@ _GROWTH = 1.5
 # A change of area of which a part of the step has more than this share is a jump: no step makes
 # it small.
 _JUMP = 0.75
+# A listed step is cut into no more parts than this.
+_MOST_PARTS = 64
 
 
 class FixedPace:
@@ -47,6 +49,46 @@ class FixedPace:
 
     def resume(self, state: Sequence[float]) -> None:
         """Go on as before."""
+
+
+class HalvedPace(FixedPace):
+    """The steps that the scene lists, halved where they do not converge.
+
+    Args:
+        steps: Of the scene.
+    """
+
+    def __init__(self, steps: Steps) -> None:
+        super().__init__(steps)
+        self._time = 0.0
+        self._parts = 1  # of the present listed step
+        self._tried = self._begin = 0.0
+
+    def next(self, time: float) -> float | None:
+        """The pseudo-time after one that is reached; None at the end."""
+        end = super().next(time)
+        if end is None:
+            return None
+        if end != self._time:
+            self._time, self._begin, self._parts = end, time, 1
+        size = (end - self._begin) / self._parts
+        self._tried = end if end - time <= size * (1 + _SAME) else time + size
+        return self._tried
+
+    def cut(self) -> bool:
+        """Halve the step that was tried, down to a part of the listed one; whether it can be."""
+        self._parts *= 2
+        return self._parts <= _MOST_PARTS
+
+    @property
+    def state(self) -> list[float]:
+        """Numbers that ``resume`` needs: where the listed step begins and ends, and its parts."""
+        return [self._begin, self._time, float(self._parts)]
+
+    def resume(self, state: Sequence[float]) -> None:
+        """Go on as before."""
+        if len(state) == 3:
+            self._begin, self._time, self._parts = state[0], state[1], int(state[2])
 
 
 class AutomaticPace:
@@ -162,7 +204,7 @@ class PaceOfCycles:
         self._pace.resume(state[:-1])
 
 
-Pace = FixedPace | AutomaticPace
+Pace = FixedPace | HalvedPace | AutomaticPace
 
 
 def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | PaceOfCycles:
@@ -173,7 +215,11 @@ def pace_of(scene: Scene, knots: Sequence[float]) -> Pace | PaceOfCycles:
         knots: Pseudo-times that no automatic step may pass over, increasing.
     """
     steps = scene.load_steps
-    pace: Pace = AutomaticPace(steps, knots) if steps.automatic else FixedPace(steps)
+    pace: Pace = FixedPace(steps)
+    if steps.automatic:
+        pace = AutomaticPace(steps, knots)
+    elif scene.has_finite_strains:
+        pace = HalvedPace(steps)
     return pace if scene.cycles is None else PaceOfCycles(pace, scene.cycles)
 
 

@@ -381,7 +381,7 @@ class StepTries(StepRollback):
         """
         if self._near is not None:
             return self._near
-        if self.newton.exact is not None:
+        if self.newton.exact is not None or self.newton.nested is not None:
             return None
         if self.last is None:
             return self._guess

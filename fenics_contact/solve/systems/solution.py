@@ -74,6 +74,8 @@ class Solution:
         imbalance_limit: The imbalance that was accepted as converged (force).
         scalars: Force on each of the body's scalars, and its value, the same on every rank.
         cycle: What the cycle of loads that ends with it has brought, if one does.
+        unstable_motions: In finite strains, how many motions grow by themselves; None where that
+            is not known.
     """
 
     find_body: FindBody
@@ -91,6 +93,7 @@ class Solution:
     attempts: tuple[str, ...] = ()
     scalars: tuple[ScalarState, ...] = ()
     cycle: CycleEnd | None = None
+    unstable_motions: int | None = None
 
     @property
     def displacement(self) -> Array:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities.names import (
@@ -53,6 +52,11 @@ from fenics_contact.trust.error_estimates.mesh.local_problems import LocalErrors
 _OF_MOTION = (
     'Errors of a motion were not estimated: solver.errors = "all" solves it again, with half the '
     "step, on a finer mesh, and with less of all else."
+)
+
+_OF_FINITE_STRAINS = (
+    "Errors are not estimated in finite strains yet: compare with a finer mesh, and with twice as "
+    "many load steps."
 )
 
 Row = dict[str, float | None]
@@ -192,7 +196,7 @@ def _named(quantities: Quantities) -> list[str]:
     return [name for name in known_quantities(quantities) if isinstance(name, str)]
 
 
-def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> ErrorBudget:
+def error_budget(load_steps: LoadSteps, steps: Sequence[StepRecord]) -> ErrorBudget:
     """Estimate the errors of the last load step's quantities; collective.
 
     Args:
@@ -207,6 +211,8 @@ def error_budget(load_steps: LoadSteps, steps: Sequence[Mapping[str, Any]]) -> E
         return ErrorBudget()
     if problem.inertia.moves:
         return ErrorBudget(notes=[] if problem.scene.solver.errors == "all" else [_OF_MOTION])
+    if not problem.elastic.is_linear:
+        return replace(unknown_budget(problem.scene, steps[-1]), notes=[_OF_FINITE_STRAINS])
     measure = Measured(load_steps)
     answer = measure(load_steps.last.solution)
     estimates = Estimates(load_steps, measure, steps)

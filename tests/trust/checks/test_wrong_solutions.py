@@ -35,6 +35,7 @@ from fenics_contact.simulation import verdict
 from fenics_contact.trust.comparison import balance, worst_of
 from fenics_contact.trust.run_checks import all_checks
 from fenics_contact.verification.boxes import Box, boxes
+from fenics_contact.verification.finite.rubber import BUCKLES_AT, compressed_strip
 from fenics_contact.verification.thermal.heat import bars as conducting_bars
 from tests.contact.shuffled import Shuffled
 from tests.preload.joints import joint
@@ -44,6 +45,7 @@ from tests.problem.test_couplings import block as divided
 from tests.problem.test_couplings import punch
 from tests.report.page.pages import page_of
 from tests.scenes import box_body
+from tests.solve.finite.rubber import pressed, square
 from tests.wrong_answers import with_body
 
 COMM = MPI.COMM_WORLD
@@ -215,7 +217,27 @@ def stacked():
     return held_by_contacts(friction_coefficient=0.5)
 
 
+def rubber():
+    """A rubber block pressed by a fifth onto a rough floor."""
+    return Run(pressed(0.2, 0.3), COMM, square())
+
+
+def collapsed(prepared, monkeypatch):
+    """A corner moved through its cell, as on a wrong branch."""
+    spaces = prepared.problem.spaces
+    moved = prepared.solution.displacement.copy()
+    moved[np.isclose(spaces.coordinates[:, :2], [1, 0]).all(axis=1)] += [-0.2, 0.2]
+    return with_body(prepared.solution, displacement=moved)
+
+
+def buckled():
+    """A strip that is pressed by half as much again as it bears, and stays straight."""
+    scene, body = compressed_strip(1.5 * BUCKLES_AT)
+    return Run(scene, COMM, body)
+
+
 RIGHT = (
+    rubber,
     *(strip, indented, rubbed, loose, driven, glued, stacked, dragged),
     *(punched, ringed, twisted, turned),
 )
@@ -436,6 +458,8 @@ BROKEN = {
     ),
     ("pressure_recovery", ""): (indented, half_of_the_points),
     ("energy_balance", ""): (dragged, work_lost),
+    ("volume_ratio", ""): (rubber, collapsed),
+    ("stable_equilibrium", ""): (buckled, lambda prepared, _: prepared.solution),
 }
 # Couplings in a sector are compared with what is given there, and the cut beside them with itself.
 IN_SECTORS = {

@@ -1,0 +1,1 @@
+"""Bodies in finite strains: stored energies of the deformation gradient, derived automatically."""

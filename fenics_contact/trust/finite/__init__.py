@@ -1,0 +1,1 @@
+"""Checks of answers in finite strains."""

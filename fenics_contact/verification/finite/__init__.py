@@ -1,0 +1,1 @@
+"""Cases of ``fenics-contact verify`` about finite strains."""

@@ -1,0 +1,119 @@
+"""Answers in finite strains: against closed forms, a separate prototype, other steps and meshes."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fenics_contact import Run, SolverSettings, run
+from fenics_contact.analytic.finite_strains import lubricated_block
+from fenics_contact.scene.laws import energies
+from fenics_contact.solve.finite import nested_solver
+from tests.solve.finite.rubber import NO_ERRORS, dragged, long_block, pressed, square
+
+
+@pytest.mark.parametrize("law", energies.names())
+def test_a_block_between_smooth_plates_has_the_closed_form(law):
+    prepared = Run(pressed(0.2, law=law), body=square())
+    found = prepared.solve()
+    assert found.passed, found.verdict
+    expected = lubricated_block(law, 0.8, 1.0, 0.3)
+    assert abs(found.quantities["normal_force"] - expected) < 1e-8 * expected
+    assert abs(found.quantities["min_stretch"] - 0.8) < 1e-9
+    assert found.model.bulk_factorisations <= 4
+    assert found.model.strains == "finite"
+
+
+def test_the_closed_forms_are_those_of_the_literature_in_small_strains():
+    """And at λ = .7 those that were computed apart from the program."""
+    for law, expected in zip(energies.names(), (0.458423923, 0.559929, 0.196154), strict=True):
+        assert abs(lubricated_block(law, 0.7, 1.0, 0.3) - expected) < 1e-6
+        small = lubricated_block(law, 1 - 1e-6, 1.0, 0.3)
+        assert abs(small - 1e-6 / (1 - 0.3**2)) < 1e-11
+
+
+def test_small_loads_have_the_linear_answer_to_first_order():
+    """Differences over the strain tend to a number."""
+
+    def differences(depth):
+        finite = run(pressed(depth, 0.3), body=square())
+        scene = dataclasses.replace(
+            pressed(depth, 0.3),
+            strains="small",
+            material=dataclasses.replace(pressed(depth).material[0], law=None),
+            solver=SolverSettings(strategy="exact", errors="none"),
+        )
+        linear = run(scene, body=square())
+        forces = [one.quantities["normal_force"] for one in (finite, linear)]
+        return (forces[0] / forces[1] - 1) / depth
+
+    first, second = differences(2e-3), differences(1e-3)
+    assert 0.3 < abs(second) < 3
+    assert abs(first / second - 1) < 0.02
+
+
+def test_newtons_method_converges_quadratically_without_the_chord(monkeypatch):
+    monkeypatch.setattr(nested_solver, "_CHORD", 0.0)
+    found = run(dragged([1.0]), body=long_block())
+    left = np.array(found.steps[-1].residual_history[1:4])
+    assert left[-1] > 1e-11  # above round-off
+    assert np.all(left[1:] < 0.2 * left[:-1] ** 1.8)
+
+
+def test_a_cylinder_pressed_and_dragged_is_that_of_a_prototype():
+    """Of a program apart from this one, with penalties of 1e-5 and other friction."""
+    found = run(dragged([1.0, 1.5, 2.0]), body=long_block())
+    assert found.passed, found.verdict
+    pressed_in, _, end = (step.quantities["contact_force"] for step in found.steps)
+    assert abs(pressed_in[1] + 0.416159) < 2e-5
+    assert np.allclose(end, [0.123484, -0.411790], rtol=0, atol=2e-5)
+    assert found.model.bulk_factorisations <= 5 + 2 * 6
+
+
+def test_a_long_way_in_one_step_ends_as_in_several():
+    """Friction at the end slips everywhere, so that the way does not matter."""
+    ends = [
+        run(dragged(times), body=long_block()).quantities["contact_force"]
+        for times in ([1.0, 2.0], [1.0, 1.25, 1.5, 1.75, 2.0])
+    ]
+    assert np.allclose(*ends, rtol=1e-9)
+
+
+def test_sides_fold_onto_the_floor():
+    """A rough block squeezed by 40 % in four steps, whose side touches, too; or in two."""
+    found = run(pressed(0.4, 0.3, 4, on="foot"), body=square(8))
+    assert found.passed, found.verdict
+    assert found.model.bulk_factorisations <= 20
+    points = found.points
+    folded = (points.coordinates[:, 1] > 1e-9) & (points.contact_pressure > 0)
+    assert folded.sum() >= 1
+    at_once = run(pressed(0.4, 0.3, 2, on="foot"), body=square(8))
+    force = found.quantities["normal_force"]
+    assert abs(at_once.quantities["normal_force"] - force) < 1e-3 * force
+
+
+def test_the_work_of_large_steps_is_open_to_second_order():
+    """The trapezoidal rule takes forces for straight lines; without friction nothing is lost."""
+    defects = []
+    for steps in (2, 4, 8):
+        found = run(pressed(0.3, steps=steps), body=square(2))
+        defects.append(abs(found.quantities["energy_defect"]))
+    orders = np.log2(np.array(defects[:-1]) / defects[1:])
+    assert np.all(np.abs(orders - 2) < 0.15)
+
+
+def test_a_listed_step_is_halved_where_it_does_not_converge(monkeypatch):
+    monkeypatch.setattr(nested_solver, "_MOST", 5)
+    found = run(pressed(0.3, 0.3, on="foot"), body=square())
+    times = [step.load_factor for step in found.steps]
+    assert found.converged
+    assert times[-1] == 1.0
+    assert len(times) > 1
+
+
+@pytest.mark.errors
+def test_errors_are_said_to_be_unknown():
+    found = run(pressed(0.1, solver=SolverSettings()), body=square(2))
+    assert found.errors["normal_force"]["mesh"] is None
+    assert "finite strains" in found.error_notes[0]
+    assert run(pressed(0.1, solver=NO_ERRORS), body=square(2)).errors == {}
