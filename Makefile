@@ -10,11 +10,11 @@ demo: ## run the main example, results in results/slab
 
 # Both runs are made and reported, whatever the first one gives. On one rank two processes share
 # the files. Both run every test; of the cases of one that has several, two ranks take a quarter,
-# and one rank the others, or those of ON_ONE. PYTEST has more options for both.
-PYTEST =
+# and one rank the others. ON_ONE and ON_TWO choose other shares (tests/shares.py).
 ON_ONE = --but-one-case-in 4
-on_one = pytest -n 2 --dist loadfile $(ON_ONE) $(PYTEST)
-on_two = pytest --one-case-in 4 $(PYTEST)
+ON_TWO = --one-case-in 4
+on_one = pytest -n 2 --dist loadfile $(ON_ONE)
+on_two = pytest $(ON_TWO)
 test: ## run the tests on one and on two ranks
 	@one=0; two=0; \
 	echo './bootstrap python -m $(on_one)'; \

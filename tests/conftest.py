@@ -11,7 +11,6 @@ import json
 import logging
 import os
 import sys
-import zlib
 from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
@@ -23,7 +22,7 @@ from fenics_contact.report.drawing import style
 from fenics_contact.simulation import end_of_run, step_driver  # loads FEniCSx in the right order
 from fenics_contact.trust.error_estimates.budget import ErrorBudget
 from fenics_contact.trust.exact_bias import Bias
-from tests import compiled_headers, messages
+from tests import compiled_headers, messages, shares
 from tests.scenes import ROOT
 
 from ffcx.codegeneration import jit  # isort: skip
@@ -56,21 +55,7 @@ def pytest_addoption(parser):
         "--write-messages", action="store_true",
         help="write what messages say now into tests/messages.toml",
     )  # fmt: skip
-    parser.addoption(
-        "--one-case-in", type=int, default=1, metavar="N", help="of each test, at least one case"
-    )
-    parser.addoption(
-        "--one-test-in", type=int, default=1, metavar="N",
-        help="of tests that any number of ranks runs, one in N; the next number of ranks the next",
-    )  # fmt: skip
-    parser.addoption(
-        "--but-one-test-in", type=int, default=0, metavar="N",
-        help="two ranks run none of the tests that they run elsewhere with --one-test-in N",
-    )  # fmt: skip
-    parser.addoption(
-        "--but-one-case-in", type=int, default=0, metavar="N",
-        help="without the cases that two ranks run with --one-case-in N",
-    )  # fmt: skip
+    shares.add_options(parser)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -84,68 +69,9 @@ def pytest_xdist_make_scheduler(config, log):
 
 
 def pytest_collection_modifyitems(config, items):
-    left_out = cases_left_out(items, config.getoption("one_case_in"), COMM.size)
-    left_out |= left_to_others(items, config.getoption("one_test_in"), COMM.size)
-    elsewhere = on_two_ranks_elsewhere(items, config.getoption("but_one_test_in"))
-    if others := config.getoption("but_one_case_in"):
-        left_out |= cases_for_two_ranks([i for i in items if i not in elsewhere], others)
-    if COMM.size > 1:
-        left_out |= {item for item in items if is_serial(item)} | elsewhere
+    left_out = shares.left_out(items, config.getoption, COMM.size)
     config.hook.pytest_deselected(items=[item for item in items if item in left_out])
     items[:] = [item for item in items if item not in left_out]
-
-
-def is_serial(item):
-    return item.get_closest_marker("serial") is not None
-
-
-def cases_of_tests(items):
-    """Items by their tests' names."""
-    tests = {}
-    for item in items:
-        tests.setdefault(item.nodeid.partition("[")[0], []).append(item)
-    return tests
-
-
-def cases_left_out(items, share, ranks):
-    """All but every n-th case of each test; which is the first depends on its name and the ranks.
-
-    So each test is seen, and among them each kind of cell, body and contact, in less time.
-    """
-    left_out = set()
-    for name, cases in cases_of_tests(items).items():
-        every = min(share, len(cases))
-        first = (zlib.crc32(name.encode()) + ranks) % every
-        left_out |= {case for n, case in enumerate(cases) if n % every != first}
-    return left_out
-
-
-def left_to_others(items, share, ranks):
-    """All but one in n of the tests that are not serial; which ones depends on name and ranks.
-
-    So n numbers of ranks run each test once, with all its cases on the same number. A name says
-    the same everywhere, also where other tests are collected.
-    """
-    return {item for item in items if not is_serial(item) and _group(item, share) != ranks % share}
-
-
-def on_two_ranks_elsewhere(items, share):
-    """Those that two ranks run with such a share; none without one."""
-    if not share:
-        return set()
-    return {item for item in items if not is_serial(item)} - left_to_others(items, share, ranks=2)
-
-
-def _group(item, number):
-    """Which of so many groups a test is in; of other bits than those that choose its cases."""
-    return (zlib.crc32(item.nodeid.partition("[")[0].encode()) >> 16) % number
-
-
-def cases_for_two_ranks(items, share):
-    """Those that two ranks run with such a share, where one rank has other cases of the test."""
-    items = [item for item in items if not is_serial(item)]
-    several = [case for cases in cases_of_tests(items).values() if len(cases) > 1 for case in cases]
-    return set(several) - cases_left_out(several, share, ranks=2)
 
 
 def pytest_collection_finish(session):

@@ -13,7 +13,7 @@ from tests.scenes import ROOT
 pytestmark = pytest.mark.serial
 
 DOCKERFILE = re.sub(r"\\\n\s*", " ", (ROOT / "Dockerfile").read_text())
-SHARE = "-p no:cacheprovider --one-case-in 8 --one-test-in 2"
+SHARE = "-p no:cacheprovider --one-case-in 8"
 # Says how it was called, and from where; fails if its name is in $FAIL.
 STUB = r"""#!/bin/sh
 name=${0##*/}
@@ -131,8 +131,11 @@ def test_tests_run_on_one_and_two_ranks(image: Image, fail: str, code: int, mess
     done = image.run("test", "-k", "slab", fail=fail)
     assert (done.returncode, done.stderr) == (code, message)
     assert image.calls() == [
-        image.call(f"python3 -m pytest -n 2 --dist loadfile {SHARE} -k slab"),
-        image.call(f"mpirun -n 2 python3 -m mpi4py -m pytest {SHARE} -k slab"),
+        image.call(
+            f"python3 -m pytest -n 2 --dist loadfile {SHARE} --quarters 2 --quarters-of-serial 3"
+            " -k slab"
+        ),
+        image.call(f"mpirun -n 2 python3 -m mpi4py -m pytest {SHARE} --quarters 1 -k slab"),
     ]
 
 

@@ -11,17 +11,10 @@ from dolfinx import fem, jit
 from xdist.scheduler import LoadFileScheduling
 
 from tests.compiled_headers import command_of_forms, compiled, is_tiny, options
-from tests.conftest import (
-    cases_for_two_ranks,
-    cases_left_out,
-    cases_of_tests,
-    left_to_others,
-    loaded_once,
-    on_two_ranks_elsewhere,
-    without_listing,
-)
+from tests.conftest import loaded_once, without_listing
 from tests.longest_first import LONGEST, LongestFirst
 from tests.scenes import ROOT, box_body
+from tests.shares import cases_for_two_ranks, cases_left_out, left_out, of_other_quarters
 
 pytestmark = pytest.mark.serial
 
@@ -66,39 +59,49 @@ def test_one_rank_runs_other_cases_of_a_test_than_two():
     assert of_one & of_two == {Item("test_alone")}
 
 
-def test_two_numbers_of_ranks_share_the_tests():
-    """Every test is run on one of them, with all its cases; serial ones on one rank, as ever."""
-    serial = [Item(f"test_serial[{case}]") for case in range(4)]
-    of_one, of_two = ({*ITEMS, *serial} - left_to_others([*ITEMS, *serial], 2, n) for n in (1, 2))
-    assert of_one | of_two == {*ITEMS, *serial}
-    assert of_one & of_two == set(serial)
-    assert not set(cases_of_tests(of_one - set(serial))) & set(cases_of_tests(of_two))
-    assert not left_to_others([*ITEMS, *serial], 1, 1)
+FILES = [
+    Item(f"tests/{n}/test_of_{n % 7}.py::test_{n}[{case}]") for n in range(400) for case in "ab"
+]
+SERIAL = [Item(f"{item.nodeid}-serial") for item in FILES]
 
 
-def test_halves_of_the_suite_are_about_as_large():
-    """And which half a test is in does not go by which of its cases are run."""
-    names = [f"tests/{n}/test_of_{n % 7}.py::test_{n}" for n in range(400)]
-    tests = [Item(f"{name}[{case}]") for name in names for case in "ab"]
-    halves = [set(tests) - left_to_others(tests, 2, ranks) for ranks in (1, 2)]
-    cases = set(tests) - cases_left_out(tests, 2, ranks=2)
-    for half in halves:
-        assert len(half) == pytest.approx(len(tests) / 2, rel=0.15)
-        assert len(half & cases) == pytest.approx(len(tests) / 4, rel=0.25)
+def of_quarters(any_ranks, serial, turn=0, ranks=1):
+    """What a run with these options takes."""
+    options = {
+        "turn": turn,
+        "quarters": any_ranks,
+        "quarters_of_serial": serial,
+        "one_case_in": 1,
+        "but_one_case_in": 0,
+    }
+    items = [*FILES, *SERIAL]
+    return set(items) - left_out(items, options.__getitem__, ranks)
 
 
-def test_two_ranks_share_the_tests_of_two_versions_of_dolfinx():
-    """A test that two ranks run on the one, with `--one-test-in`, they leave out on the other.
+def test_four_runs_share_the_files():
+    """Each file is taken by one of them, with all its cases; serial tests by one of two."""
+    wheel, image = of_quarters("01", "012"), of_quarters("2", "3")
+    wheel_on_two, image_on_two = (of_quarters(q, "0123", ranks=2) for q in "31")
+    assert wheel | image | wheel_on_two == {*FILES, *SERIAL}
+    assert not wheel & image
+    assert not wheel_on_two & image_on_two
+    assert not (wheel_on_two | image_on_two) & set(SERIAL)
+    assert of_quarters("0123", "0123") == {*FILES, *SERIAL}
 
-    Which tests are collected beside it does not matter. Serial tests are none of them.
-    """
-    serial = [Item(f"test_serial[{case}]") for case in range(4)]
-    items = [*ITEMS, *serial]
-    elsewhere = on_two_ranks_elsewhere(items, 2)
-    assert elsewhere == set(ITEMS) - left_to_others(items, 2, ranks=2)
-    assert set(ITEMS) > elsewhere > set()
-    assert on_two_ranks_elsewhere(items[::-1][:40], 2) == elsewhere & set(items[::-1][:40])
-    assert not on_two_ranks_elsewhere(items, 0)
+
+def test_in_four_turns_each_run_takes_all_files():
+    taken = [of_quarters("3", "3", turn) for turn in range(48, 52)]
+    assert set().union(*taken) == {*FILES, *SERIAL}
+    assert sum(len(some) for some in taken) == len(FILES) + len(SERIAL)
+
+
+def test_quarters_of_the_suite_are_about_as_large():
+    """And which quarter a test is in does not go by which of its cases are run."""
+    cases = set(FILES) - cases_left_out(FILES, 2, ranks=2)
+    for quarter in "0123":
+        taken = set(FILES) - of_other_quarters(FILES, quarter, "", turn=0)
+        assert len(taken) == pytest.approx(len(FILES) / 4, rel=0.2)
+        assert len(taken & cases) == pytest.approx(len(FILES) / 8, rel=0.3)
 
 
 def test_files_that_take_longest_are_begun_first(monkeypatch):
