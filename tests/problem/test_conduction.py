@@ -183,6 +183,23 @@ def test_a_conductance_that_is_a_number():
     assert found.quantities["heat_flow"] == pytest.approx(flow, rel=1e-9)
 
 
+def test_what_opens_as_it_conducts_has_an_answer_where_the_conductance_grows():
+    """Bars that heat which crosses makes shorter: a conductance of all or nothing finds none."""
+    walls, gap = (120, 20), 0.11
+    found = run(*_with_comm(conducting_bars(walls, gap, 0.002)))
+    assert found.exit_code == 3
+    assert "have not settled" in found.verdict
+    assert "most at 'a.x1'" in found.verdict
+    (pressure,) = pressures(walls, gap)
+    growing = run(*_with_comm(conducting_bars(walls, gap)))
+    assert growing.quantities["normal_force"] == pytest.approx(pressure * HEIGHT, rel=1e-6)
+
+
+def _with_comm(model):
+    made, body = model
+    return made, COMM, body
+
+
 def test_conduction_is_factorised_once(monkeypatch):
     """On the first rank, in however many solves temperatures and pressures settle."""
     made, body = conducting_bars((20, 120), 0.24)

@@ -10,6 +10,7 @@ from mpi4py import MPI
 
 from fenics_contact import FenicsContactError, Result, Run
 from tests.random.balances import Balance, balance_of
+from tests.random.heat_balances import heat_faults
 from tests.random.scenes import RandomScene
 
 ANSWERED, UNTRUSTED = 0, 4
@@ -25,7 +26,7 @@ class Outcome:
         seconds: Of this rank, mesh and compilation included.
         mixed: Whether some contact slips and sticks at once.
         result: None after an error.
-        balance: Of an answer with couplings or temperatures.
+        balance: Of an answer with couplings, temperatures or heat.
     """
 
     code: int
@@ -60,6 +61,8 @@ def outcome_of(random: RandomScene, comm: MPI.Comm = MPI.COMM_WORLD) -> Outcome:
     mixed, balance = slips_and_sticks(result), Balance()
     if (random.scene.coupling or random.scene.temperature) and result.exit_code == ANSWERED:
         balance = balance_of(solved, result, random.stress)
+    elif random.scene.heat and result.exit_code == ANSWERED:
+        balance = Balance(tuple(heat_faults(solved, result)))
     return Outcome(result.exit_code, result.verdict, seconds, mixed, result, balance)
 
 

@@ -2,8 +2,7 @@
 
 How much heat crosses a contact depends on its pressure, which depends on the temperatures. A load
 step is solved with temperatures that are held; these follow its pressures, and the step is solved
-again, until nothing changes. What is iterated on are the pressures, accelerated by the last few
-(D. G. Anderson, J. ACM 12 (1965) 547-560).
+again, until nothing changes. The pressures are a fixed point, found by ``fixed_point``.
 """
 
 from __future__ import annotations
@@ -18,10 +17,11 @@ from fenics_contact.body.cyclic.cut_faces import CutFaces
 from fenics_contact.body.spaces import Spaces
 from fenics_contact.common.arrays import Array, Integers
 from fenics_contact.common.errors import FenicsContactError, NotConvergedError
-from fenics_contact.common.parallel import from_root, gather_rows, largest, raise_together, total
+from fenics_contact.common.parallel import from_root, gather_rows, largest, raise_together
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.contact.state import ContactState
 from fenics_contact.problem.conduction.condensed_heat import CondensedHeat
+from fenics_contact.problem.conduction.fixed_point import FixedPoint
 from fenics_contact.problem.conduction.heat_of_bodies import HeatOfBodies
 from fenics_contact.problem.conduction.heat_of_contact import HeatOfContact
 from fenics_contact.problem.loads.disturbance import Disturbance
@@ -34,7 +34,6 @@ _MOST_SOLVES = 60
 # that is not half of the least so far. The check ``heat_balance`` judges what is left.
 _STALLED, _NOISE = 10, 1e-5
 _NEGLIGIBLE = 1e-9  # of heat that would flow without a balance: below that none flows
-_DEPTH = 6  # earlier solves that Anderson's method combines
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +90,8 @@ class Conduction:
         self.rise = np.zeros(len(spaces.coordinates))
         self._pressures = [np.zeros(len(one.contact.trace.weights)) for one in self.contacts]
         self.time = 0.0
-        self._past: list[tuple[Array, Array]] = []
+        self._way: FixedPoint | None = None
+        self._finds_nearest = False
         self._solves, self._least = 0, np.inf
 
     @property
@@ -112,7 +112,8 @@ class Conduction:
 
     def recall(self, memory: HeatMemory | None) -> None:
         """Go back to a state that was remembered; None for that before the first load step."""
-        self._past, self._solves, self._least = [], 0, np.inf
+        self._finds_nearest = False
+        self._way, self._solves, self._least = None, 0, np.inf
         if memory is None:
             self.rise = np.zeros_like(self.rise)
             self._pressures = [np.zeros_like(one) for one in self._pressures]
@@ -125,7 +126,7 @@ class Conduction:
 
     def begin(self) -> None:
         """Find the temperatures of the present time with the pressures there are; collective."""
-        self._past, self._solves, self._least = [], 0, np.inf
+        self._way, self._solves, self._least = None, 0, np.inf
         self.rise = self._solved(self._pressures)
 
     @property
@@ -139,12 +140,15 @@ class Conduction:
         return max(one.highest_pressure for one in self.contacts)
 
     def start_from(self, pressure: float) -> None:
-        """Let the next load step begin with the temperatures of a uniform pressure.
+        """Let the next load step find the answer that is nearest to a uniform pressure.
+
+        Also one that nothing real stays in, since any change of the pressure grows.
 
         Args:
             pressure: At all points of contacts that conduct (stress).
         """
         self._pressures = [np.full_like(one, pressure) for one in self._pressures]
+        self._finds_nearest = True
 
     def disturb(self, heat: Array | None, time: float) -> None:
         """Let heat flow in besides the scene's, from the next time on that ``begin`` is called.
@@ -177,10 +181,11 @@ class Conduction:
         if self._solves >= _MOST_SOLVES:
             raise NotConvergedError(
                 f"time {self.time:g}: temperatures and contact pressures have not settled in "
-                f"{_MOST_SOLVES} solves; conductances still change by {change:.2g} of the largest",
+                f"{_MOST_SOLVES} solves; conductances still change by {change:.2g} of the largest, "
+                f"most at '{self._most_changed(self._pressures, found)}'",
                 (),
             )
-        self._pressures = self._accelerated(found)
+        self._pressures = self._ahead(found)
         self.rise = self._solved(self._pressures)
         return True
 
@@ -196,6 +201,14 @@ class Conduction:
             for states in (before, after)
         )
         return self._change(one, other)
+
+    def _most_changed(self, one: Sequence[Array], other: Sequence[Array]) -> str:
+        """Label of the contact whose conductance differs most at two pressures; collective."""
+        changes = [
+            largest(self._comm, np.abs(heat.conductances(after) - heat.conductances(before)))
+            for heat, before, after in zip(self.contacts, one, other, strict=True)
+        ]
+        return self.contacts[int(np.argmax(changes))].contact.label
 
     def _change(self, one: Sequence[Array], other: Sequence[Array]) -> float:
         """Largest change of conductances between two pressures, over the largest; collective."""
@@ -213,23 +226,22 @@ class Conduction:
         """Those of the contacts that conduct, of the states of all."""
         return [states[number] for number in self._numbers]
 
-    def _accelerated(self, found: Sequence[Array]) -> list[Array]:
-        """Pressures to go on with, by those of the last few solves."""
-        begun, ended = np.concatenate(self._pressures), np.concatenate(list(found))
-        owned = np.concatenate([one.contact.trace.owned for one in self.contacts])
-        self._past = [*self._past[-_DEPTH:], (begun, ended)]
-        residuals = [(end - begin)[owned] for begin, end in self._past]
-        ahead = ended
-        if len(self._past) > 1:
-            steps = np.array([residuals[-1] - one for one in residuals[:-1]])
-            gram = np.asarray(total(self._comm, steps @ steps.T))
-            right = np.asarray(total(self._comm, steps @ residuals[-1]))
-            scale = float(gram.diagonal().max()) or 1.0
-            shares = np.linalg.lstsq(gram / scale, right / scale, rcond=1e-12)[0]
-            for share, (_, end) in zip(shares, self._past[:-1], strict=True):
-                ahead = ahead - share * (ended - end)
-        ends = np.cumsum([len(one) for one in found])[:-1]
-        return [np.maximum(part, 0.0) for part in np.split(ahead, ends)]
+    def _ahead(self, found: Sequence[Array]) -> list[Array]:
+        """Pressures to go on with, by those of earlier solves; collective."""
+        if self._way is None:
+            owned = [one.contact.trace.owned & one.faces & one.varies for one in self.contacts]
+            highest = [
+                np.full(len(one), heat.highest_pressure if heat.varies else np.inf)
+                for heat, one in zip(self.contacts, found, strict=True)
+            ]
+            bounded = np.concatenate(owned), np.concatenate(highest)
+            self._way = FixedPoint(self._comm, *bounded, self._finds_nearest)
+        ahead = self._way.next(np.concatenate(self._pressures), np.concatenate(list(found)))
+        parts = np.split(ahead, np.cumsum([len(one) for one in found])[:-1])
+        return [
+            part if heat.varies else np.maximum(one, 0.0)
+            for heat, one, part in zip(self.contacts, found, parts, strict=True)
+        ]
 
     def _solved(self, pressures: Sequence[Array]) -> Array:
         """Rise at the nodes of this rank by pressures at the points; collective.

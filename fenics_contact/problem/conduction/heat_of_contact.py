@@ -154,6 +154,12 @@ class HeatOfContact:
         return isinstance(given, Conductance) and max(given.values) > given.values[0]
 
     @property
+    def varies(self) -> bool:
+        """Whether its conductance goes by how much it is pressed, not just by whether it is."""
+        given = self.contact.contact.conductance
+        return isinstance(given, Conductance) and max(given.values) > min(given.values)
+
+    @property
     def highest_pressure(self) -> float:
         """The highest pressure of which its conductance says anything; 0 of a number (stress)."""
         given = self.contact.contact.conductance
