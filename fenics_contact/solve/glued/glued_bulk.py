@@ -83,7 +83,8 @@ class GluedBulk(CondensedBulk):
             error = self._factor.error
             if error is None:
                 zone = Zone(*whole, places, jumps)
-                self.of_jumps = JumpStiffness(self._factor, zone, variables)
+                masters = Zone(*whole, places, np.flatnonzero(~variables.acted_on))
+                self.of_jumps = JumpStiffness(self._factor, zone, masters, variables)
         raise_together(self.comm, error)
 
     def _gathered(self, matrix: csr_matrix, held: Flags) -> _Whole | None:
@@ -165,6 +166,8 @@ class GluedBulk(CondensedBulk):
         """Free PETSc's objects."""
         if self._factor is not None:
             self._factor.destroy()
+        if self.of_jumps is not None:
+            self.of_jumps.destroy()
 
 
 class JumpStiffness(Eliminated):
@@ -173,6 +176,7 @@ class JumpStiffness(Eliminated):
     Args:
         factor: Of the glued bodies.
         zone: Cells at the slaves.
+        masters: Cells at what is no jump.
         variables: The unknowns.
 
     Attributes:
@@ -182,13 +186,33 @@ class JumpStiffness(Eliminated):
 
     own: AppliedSchur
 
-    def __init__(self, factor: GluedFactor, zone: Zone, variables: ContactVariables) -> None:
-        self.zone, self._factor = zone, factor
+    def __init__(
+        self, factor: GluedFactor, zone: Zone, masters: Zone, variables: ContactVariables
+    ) -> None:
+        self.zone, self._factor, self._variables = zone, factor, variables
+        self._masters = masters.on_springs()
         self.kept = np.flatnonzero(variables.acted_on)
         self.rest = np.flatnonzero(~variables.acted_on)
         self.own = AppliedSchur(factor, zone)
         self.directions = Directions(len(self.kept), self.own.product)
         self.diagonal = self.own.diagonal
+
+    def given_way(self, forces: Array) -> Array:
+        """Nearly how far masters give way beneath slaves under forces on these, (jumps,).
+
+        Args:
+            forces: That slaves put on masters, (jumps,).
+        """
+        every = np.zeros(len(self.kept) + len(self.rest))
+        every[self.kept] = forces
+        on_masters = self._variables.forces(every)[self.rest]
+        every[:] = 0.0
+        every[self.rest] = self._masters.solve(on_masters)
+        return self._variables.displacements(every)[self.kept]
+
+    def destroy(self) -> None:
+        """Free PETSc's objects."""
+        self._masters.destroy()
 
     def _under(self, forces: Array) -> tuple[Array, Array]:
         """Forces at the jumps, and how masters move, under forces on masters while no jump opens.

@@ -32,7 +32,8 @@ class GluedSolver(SplitSolver):
     def __init__(
         self, constant: ConstantTangent, stiffness: JumpStiffness, added: csr_matrix
     ) -> None:
-        self._constant, self._stiffness, self._acting = constant, stiffness, added
+        self._constant, self._stiffness = constant, stiffness
+        self._acting = self._factorised = added
         self._factor = stiffness.zone.factorised(added)
         self._transposed: GluedSolver | None = None
 
@@ -54,8 +55,10 @@ class GluedSolver(SplitSolver):
         return np.asarray(self._stiffness.own.product(values) + self._acting @ values)
 
     def nearly_solved(self, given: Array) -> Array:
-        """Nearly M⁻¹ r, by the zone."""
-        return self._factor.solve(given)
+        """Nearly M⁻¹ r, by the cells at the slaves, and by those at the masters."""
+        jumps = self._factor.solve(given)
+        moved = self._stiffness.given_way(given - self._factorised @ jumps)
+        return np.asarray(jumps + moved - self._factor.solve(self._factorised @ moved))
 
     def solve(self, right: Array, left: float = LEFT) -> Array | None:
         """M⁻¹ r; None where it was not found."""
