@@ -32,6 +32,9 @@ from fenics_contact.solve.systems.system import System
 
 logger = logging.getLogger(__name__)
 
+# Imbalance that is left of a rough solve under springs, over that which would be without them.
+_SPRUNG = 0.1
+
 
 class Newton(SnesSolve):
     """Solves of a problem, each from where the last ended; other ways are tried where one fails.
@@ -138,7 +141,7 @@ class Newton(SnesSolve):
                 self.problem.stick_all()
         self._springs = SpringControl()
         # Under springs the last step of a rough solve is less exact than one of Newton's own.
-        self._tolerance = self.problem.scene.solver.tolerance
+        self._tolerance = max(self.problem.scene.solver.tolerance, _SPRUNG * self._tolerance)
         self._solve()
 
     def _take_a_step_without(self, springs: SpringControl) -> None:

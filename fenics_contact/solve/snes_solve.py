@@ -62,6 +62,10 @@ _LONG = 12
 # afar, and of one that goes on from a load step.
 IN_FULL, IN_FULL_AT_LAST_STEP = 8, 0
 
+# Share to which a step is cut, and how many such steps in a row, that lead nowhere: then full steps
+# are taken, as many as of a solve from afar.
+_TINY, _TINY_STEPS = 0.1, 2
+
 
 class SnesSolve:
     """SNES on a system, from the system's present state; ``Newton`` says in which way.
@@ -108,6 +112,7 @@ class SnesSolve:
         self._springs: SpringControl | None = None
         self._cuts_growth = False
         self._in_full = IN_FULL
+        self._tiny_steps = 0
         self._hopeless: Callable[[int], int] | None = None
         self._most: int | None = None
         self._fewest = 0
@@ -232,11 +237,11 @@ class SnesSolve:
         by_turns = self._cuts_growth and self.closes_by_turns and not self._searches
         self._closing = ClosingByTurns(self.problem.contacts) if by_turns else None
         if not self._searches:
-            self._damping = StepDamping()
+            self._damping, self._tiny_steps = StepDamping(), 0
             cuts = self._cuts_growth and not by_turns
             snes.setLineSearchPreCheck(self._damp_or_cut if cuts else self._damp)
         elif self._search is THOROUGH_SEARCH:
-            snes.setLineSearchPreCheck(self._cut)
+            snes.setLineSearchPreCheck(self._cut_to_slope)
         snes.setConvergenceTest(self._converged)
 
     def _damp(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
@@ -253,12 +258,17 @@ class SnesSolve:
         its statuses are nearly those of the next one, which full steps leave.
 
         Contact and friction together have no energy, but what they do along a step tells how far it
-        leads as well: friction takes a part of the work that pressures do.
+        leads as well: friction takes a part of the work that pressures do. Where many points are to
+        change one after the other, that is to the next of them only: then full steps follow.
         """
-        is_late = len(self.imbalances) - self._before > self._in_full
-        if is_late and self._imbalance_after(state, step) > self.imbalances[-1]:
-            return self._cut(state, step)
-        return self._damp(state, step)
+        taken = len(self.imbalances) - self._before
+        if taken <= self._in_full or self._imbalance_after(state, step) <= self.imbalances[-1]:
+            return self._damp(state, step)
+        share = self._cut(state, step)
+        self._tiny_steps = self._tiny_steps + 1 if share < _TINY else 0
+        if self._tiny_steps == _TINY_STEPS:
+            self._tiny_steps, self._in_full = 0, taken + IN_FULL
+        return True
 
     def _imbalance_after(self, state: PETSc.Vec, step: PETSc.Vec) -> float:
         """Force imbalance after a full step (it is taken off the state); collective."""
@@ -268,8 +278,17 @@ class SnesSolve:
         tried.destroy()
         return self.system.imbalance()
 
-    def _cut(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
-        """Cut a Newton step (it is taken off the state) to where energy falls; collective."""
+    def _cut_to_slope(self, state: PETSc.Vec, step: PETSc.Vec) -> bool:
+        """Cut a Newton step, as PETSc asks for it; collective."""
+        self._cut(state, step)
+        return True
+
+    def _cut(self, state: PETSc.Vec, step: PETSc.Vec) -> float:
+        """Cut a Newton step (it is taken off the state) to where energy falls; collective.
+
+        Returns:
+            The share that is left of it.
+        """
         tried, residual = state.duplicate(), self.system.residual.duplicate()
 
         def slope_at(share: float) -> float:
@@ -277,10 +296,11 @@ class SnesSolve:
             self._set_residual(None, tried, residual)
             return -float(residual.dot(step))
 
-        step.scale(share_of_step(slope_at))
+        share = share_of_step(slope_at)
+        step.scale(share)
         tried.destroy()
         residual.destroy()
-        return True
+        return share
 
     def _set_residual(self, snes: PETSc.SNES, state: PETSc.Vec, residual: PETSc.Vec) -> None:
         with self.timings.phase("assemble"):
