@@ -187,10 +187,12 @@ class Case:
     Attributes:
         name: Of it.
         make: Makes its scene.
+        applies: Whether S is applied and not formed, however few jumps there are.
     """
 
     name: str
     make: Callable[[], Scene]
+    applies: bool = False
 
 
 CASES = (
@@ -207,6 +209,12 @@ QUICK = (
     Case("flange, 2 bolts, P1", lambda: flange(Mesh(12, 10, 1), 2)),
     Case("ball in a socket, P1", lambda: ball(Mesh(6, 12, 1), 0.01)),
     Case("three plates", lambda: stack(Mesh(10, 3), 3)),
+)
+# Without S, to compare memory with its estimate: the first two also have another way.
+LARGE = (
+    Case("flange, 4 bolts, without S", lambda: flange(Mesh(20, 12), 4), True),
+    Case("flange, 8 bolts, without S", lambda: flange(Mesh(20, 12)), True),
+    Case("flange, 8 bolts, fine cells", lambda: flange(Mesh(8, 20))),
 )
 # So large that CalculiX solves each in a minute or two.
 BESIDE = (
