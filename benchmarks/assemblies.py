@@ -7,10 +7,11 @@ Each case of ``assembly_scenes.py`` is solved in a process of its own, with erro
 are made by default. Its seconds are of the processor, with the mesh and the compilation of forms
 that no run before it had; its memory is the peak of the process. Of the contact dofs there are
 those that take part at the end beside all of the contact surfaces, and of the Newton steps those of
-each load step. With ``--large`` flanges are solved without their stiffness between jumps, up to
-300,000 unknowns, without error bars, and the exit code is 4 where the estimate of memory is off by
-more than a fifth: estimates are of what a run takes above the program at rest. With ``--calculix`` three scenes without bolts are solved by ``ccx``, too, on the
-same cells, with several settings of its contacts (``assembly_calculix.py``).
+each load step. With ``--large`` flanges of up to 300,000 unknowns are solved without forming their
+stiffness between jumps, and without error bars; the exit code is 4 where the estimate of memory is
+off by more than a fifth of what a run took above the program at rest. With ``--calculix`` three
+scenes without bolts are solved by ``ccx``, too, on the same cells, with several settings of its
+contacts (``assembly_calculix.py``).
 """
 
 from __future__ import annotations
@@ -46,8 +47,8 @@ def measure(case: Case, errors: str) -> dict[str, Any]:
     from dataclasses import replace
 
     from fenics_contact import FenicsContactError
-    from fenics_contact.solve.condensed.condensed_system import CondensedSystem
     from fenics_contact.solve import solver_choice
+    from fenics_contact.solve.condensed.condensed_system import CondensedSystem
 
     sizes: list[int] = []
     take_body = CondensedSystem._take_body
@@ -154,7 +155,9 @@ def print_rows(rows: list[dict[str, Any]]) -> None:
             "; ".join(map(str, row.get("newton", []))),
             f"{row.get('seconds', float('nan')):.1f} s",
             f"{row.get('peak_memory_mb', float('nan')):.0f} MB",
-            "; ".join(f"{row.get(key, float('nan')):.0f}" for key in ("own_memory_mb", "estimate_mb")),
+            "; ".join(
+                f"{row.get(key, float('nan')):.0f}" for key in ("own_memory_mb", "estimate_mb")
+            ),
             f"{row['moved']:.4g}" if "moved" in row else "",
             str(row["exit_code"]),
             shortened(row["words"]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,9 +26,6 @@ from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from fenics_contact.solve.systems.contact_stiffness import SurfaceMatrix
 from fenics_contact.solve.systems.near_nodes import NearNodes
 from fenics_contact.solve.systems.system import free_motions
-
-# Least share of the imbalance that a linear solve leaves.
-_LEFT = 1e-6
 
 
 def is_glueable(problem: Problem, near: Sequence[NearNodes | None]) -> bool:
@@ -57,6 +55,9 @@ class GluedSystem(NearSystem):
     """The problem condensed onto the jumps at its contacts, by back-substitutions."""
 
     body: GluedBody
+    # At least the round-off of a product; and steps that find out what touches and slips are hardly
+    # better for more exact solves.
+    _shares_left: ClassVar = 1e-6, 1e-3
 
     def _condense(self) -> CondensedBody:
         return GluedBody(self, self._acting)
@@ -65,10 +66,6 @@ class GluedSystem(NearSystem):
         stiffness = self.body.bulk.of_jumps
         assert stiffness is not None
         return GluedTangent(constant, nodes, stiffness)
-
-    def _left_by_a_step(self, imbalance: float, forces: float) -> float:
-        """Share that a linear solve may leave, at least that of the round-off of a product."""
-        return max(super()._left_by_a_step(imbalance, forces), _LEFT)
 
     def update_pairing(self) -> None:
         """Update the pairing of contacts: with another factorisation; collective."""

@@ -65,6 +65,7 @@ class CondensedSystem(System):
     name = "condensed"
     repeats_cheaply: ClassVar = True
     options: ClassVar = {"ksp_type": "preonly"}
+    _shares_left: ClassVar = LEFT, LEFT_AT_MOST  # of an imbalance by a linear solve
     _make_tangent: Callable[[ConstantTangent, Integers], UnknownsTangent] = UnknownsTangent
 
     def __init__(
@@ -360,7 +361,8 @@ class CondensedSystem(System):
             forces: Those of loads, or what stands for them (force).
         """
         off = imbalance / forces
-        return float(np.clip(min(off, LEFT_AT_MOST / (off or 1.0)), LEFT, LEFT_AT_MOST))
+        least, most = self._shares_left
+        return float(np.clip(min(off, most / (off or 1.0)), least, most))
 
     def linearise_truly(self, near: SplitSolver | None = None) -> None:
         """Set the tangent of an answer in whose state the system is; collective.

@@ -222,7 +222,7 @@ class BorderedSplit:
     def __init__(self, split: SplitSolver, columns: Array, rows: Array, corner: Array) -> None:
         self._split, self._columns, self._rows, self._corner = split, columns, rows, corner
         self._size = len(columns)
-        self._solved = np.column_stack([split.nearly_solved(column) for column in columns.T])
+        self._solved = split.nearly_solved_each(columns)
 
     def mult(self, matrix: PETSc.Mat, values: PETSc.Vec, result: PETSc.Vec) -> None:
         """Product with the whole, as PETSc asks for it."""

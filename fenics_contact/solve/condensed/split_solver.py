@@ -242,6 +242,10 @@ class SplitSolver:
         found[:count] += self._stiff_basis @ stiff
         return np.asarray(found)
 
+    def nearly_solved_each(self, columns: Array) -> Array:
+        """Nearly M⁻¹ times each of some columns."""
+        return np.column_stack([self.nearly_solved(column) for column in columns.T])
+
     def _solve_soft(self, left: Array) -> Array:
         """Soft directions, scalars and derived jumps, of all that is soft."""
         if self._soft_factor is None:

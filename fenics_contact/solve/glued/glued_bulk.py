@@ -198,17 +198,17 @@ class JumpStiffness(Eliminated):
         self.diagonal = self.own.diagonal
 
     def given_way(self, forces: Array) -> Array:
-        """Nearly how far masters give way beneath slaves under forces on these, (jumps,).
+        """Nearly how far masters give way beneath slaves under forces on these, (vectors, jumps).
 
         Args:
-            forces: That slaves put on masters, (jumps,).
+            forces: That slaves put on masters, (vectors, jumps).
         """
-        every = np.zeros(len(self.kept) + len(self.rest))
-        every[self.kept] = forces
-        on_masters = self._variables.forces(every)[self.rest]
+        every = np.zeros((len(forces), len(self.kept) + len(self.rest)))
+        every[:, self.kept] = forces
+        pressed = np.array([self._variables.forces(one)[self.rest] for one in every])
         every[:] = 0.0
-        every[self.rest] = self._masters.solve(on_masters)
-        return self._variables.displacements(every)[self.kept]
+        every[:, self.rest] = self._masters.solve(pressed)
+        return np.array([self._variables.displacements(one)[self.kept] for one in every])
 
     def destroy(self) -> None:
         """Free PETSc's objects."""

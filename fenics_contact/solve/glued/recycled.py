@@ -20,6 +20,8 @@ from fenics_contact.common.arrays import Array
 _KEPT, _MOST = 200, 300
 # Of a direction's product, which is then a combination of the ones before.
 _SAME = 1e-10
+# The same of a known direction, which is left out then.
+_NEARLY_SAME = 1e-8
 
 
 class Directions:
@@ -105,13 +107,15 @@ def _independent(
     products = product(columns, bulk)
     sizes = np.linalg.norm(products, axis=0)
     used = np.flatnonzero(sizes > 0)
-    columns, products = columns[:, used] / sizes[used], products[:, used] / sizes[used]
-    if not len(used):
-        return columns, products, np.zeros((0, 0))
-    orthonormal, upper, order = qr(products, mode="economic", pivoting=True, overwrite_a=True)
-    diagonal = np.abs(upper.diagonal())
-    rank = int((diagonal > _SAME * diagonal[0]).sum())
-    return columns[:, order[:rank]], orthonormal[:, :rank], upper[:rank, :rank]
+    while len(used):
+        taken = products[:, used] / sizes[used]
+        orthonormal, upper = qr(taken, mode="economic", overwrite_a=True)
+        diagonal = np.abs(upper.diagonal())
+        new = diagonal > _NEARLY_SAME
+        if new.all():
+            return columns[:, used] / sizes[used], orthonormal, upper
+        used = used[new]
+    return columns[:, used], products[:, used], np.zeros((0, 0))
 
 
 class _Basis:

@@ -98,10 +98,10 @@ class ZoneFactor:
         self.is_singular = self._factor.error is not None
 
     def solve(self, forces: Array) -> Array:
-        """Displacements of the surface under forces on it, (dofs,)."""
-        right = np.zeros(self._factor.size)
-        right[: self._count] = forces
-        return np.asarray(self._factor.solve(right)[: self._count])
+        """Displacements of the surface under forces on it, (…, dofs)."""
+        right = np.zeros((*forces.shape[:-1], self._factor.size))
+        right[..., : self._count] = forces
+        return np.asarray(self._factor.solve(right)[..., : self._count])
 
     def destroy(self) -> None:
         """Free PETSc's objects."""
