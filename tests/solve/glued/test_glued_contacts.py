@@ -13,7 +13,7 @@ from fenics_contact.problem.problem import Problem
 from fenics_contact.solve import solver_choice
 from fenics_contact.solve.condensed import elimination
 from fenics_contact.solve.condensed.condensed_system import CondensedSystem
-from fenics_contact.solve.glued import recycled
+from fenics_contact.solve.glued import recycled, zone
 from fenics_contact.solve.glued_system import GluedSystem, is_glueable
 from fenics_contact.solve.solver_choice import memory_terms
 from fenics_contact.solve.systems.near_nodes import near_nodes
@@ -96,11 +96,11 @@ def test_a_run_goes_on(glued, tmp_path):
             assert contact.quantities[name] == number, name
 
 
-def systems(monkeypatch):
+def systems(monkeypatch, slaves="on"):
     """The same problem without S and with it, masters eliminated."""
     monkeypatch.setattr(elimination, "_MANY", 0)
     monkeypatch.setattr(elimination, "_ENOUGH", 0)
-    scene = on_a_plate(("on", "on"), 3)
+    scene = on_a_plate((slaves, slaves), 3)
     problem = Problem.on_mesh(scene, boxes(DEEP, "hexahedron"))
     return GluedSystem(problem, Timings(), near_nodes(problem)), CondensedSystem(problem, Timings())
 
@@ -142,6 +142,44 @@ def test_what_is_known_of_the_stiffness_is_not_asked_for_again(monkeypatch):
         assert again == pytest.approx(first, rel=1e-6, abs=1e-9)
     mine.destroy()
     theirs.destroy()
+
+
+def test_the_cells_at_both_surfaces_have_all_stiffness_where_they_are_the_bodies(monkeypatch):
+    """Jumps that no contact resists: both bodies give way one after the other."""
+    monkeypatch.setattr(zone, "_LAYERS", 20)
+    monkeypatch.setattr(zone, "_SPRINGS", 0.0)
+    mine, theirs = systems(monkeypatch, "against")
+    if COMM.rank == 0:
+        tangent = mine.dense_tangent.inner
+        none = np.zeros(0, dtype=np.int64)
+        tangent.set((none, none, np.zeros(0)))
+        jumps = np.random.default_rng(5).normal(size=(mine.width, 3))
+        forces = np.column_stack([tangent.times(one) for one in jumps.T])
+        assert tangent.split.nearly_solved_each(forces) == pytest.approx(jumps, abs=1e-8)
+        assert tangent.split.nearly_solved(forces[:, 1]) == pytest.approx(jumps[:, 1], abs=1e-8)
+    mine.destroy()
+    theirs.destroy()
+
+
+def test_directions_that_others_say_are_left_out():
+    known = recycled.Directions(5, lambda jumps: 2 * jumps)
+    first, second, right = np.random.default_rng(6).normal(size=(3, 5))
+    for one in (first, second, first - second, first + 1e-12 * second):
+        known.add(one)
+    solves = []
+
+    def nearly_solved(rest):
+        solves.append(rest)
+        return rest.copy()
+
+    def product(values, bulk):
+        return bulk
+
+    found = recycled.solve(first + 3 * second, 1e-9, known, product, nearly_solved)
+    assert not solves
+    assert found == pytest.approx(0.5 * (first + 3 * second), abs=1e-12)
+    assert recycled.solve(right, 1e-9, known, product, nearly_solved) == pytest.approx(0.5 * right)
+    assert len(solves) == 1
 
 
 def test_a_search_along_a_step_takes_no_further_products(monkeypatch):

@@ -20,12 +20,16 @@ from fenics_contact import (
     Steps,
     Support,
 )
+from fenics_contact.common.errors import NotConvergedError
+from fenics_contact.common.timings import Timings
 from fenics_contact.scene.settings import SolverSettings
 from fenics_contact.solve import snes_solve
 from fenics_contact.solve.condensed.tangent import ContactTangent
 from fenics_contact.solve.coulomb import strategies
 from fenics_contact.solve.load_steps import step_tries
+from fenics_contact.solve.newton import Newton
 from fenics_contact.solve.snes_solve import SnesSolve
+from fenics_contact.solve.systems.full_system import FullSystem
 from fenics_contact.verification.boxes import Box, boxes
 
 COMM = MPI.COMM_WORLD
@@ -165,3 +169,45 @@ def test_round_off_of_linear_solves_changes_nothing(monkeypatch):
     assert np.abs(np.subtract(steps, others)).max() <= 1
     moved = [largest(one, one.solution.displacement) for one in (plain, disturbed)]
     assert moved[0] == pytest.approx(moved[1], rel=1e-6)
+
+
+def test_rough_solves_stay_rough_under_springs(monkeypatch):
+    """Others are as exact under springs as without them."""
+    problem = clamp().problem
+    newton, tolerances = Newton(problem, FullSystem(problem, Timings()), Timings()), []
+
+    def solve(own):
+        tolerances.append(own._tolerance)
+        own.imbalances.append(0.0)
+        if own._springs is None:
+            own._ran_far = True
+            raise NotConvergedError("", ())
+
+    monkeypatch.setattr(SnesSolve, "_solve", solve)
+    monkeypatch.setattr("fenics_contact.solve.newton.runaway", lambda *of: None)
+    newton.run(tolerance=0.1, is_held=True)
+    newton.run(is_held=True)
+    exact = problem.scene.solver.tolerance
+    # Without springs, with them, and a last step without those that held something back.
+    assert tolerances == pytest.approx([0.1, 0.01, 0.01, exact, exact, exact])
+
+
+def test_steps_that_are_cut_to_next_to_nothing_are_followed_by_full_ones(monkeypatch):
+    """Where each step would end at the next point that closes, two of them tell."""
+    problem = clamp().problem
+    newton = SnesSolve(problem, FullSystem(problem, Timings()), Timings())
+    newton._in_full, newton.imbalances, taken = 0, [], []
+    monkeypatch.setattr(SnesSolve, "_imbalance_after", lambda *of: np.inf)
+    monkeypatch.setattr(SnesSolve, "_damp", lambda *of: taken.append("full"))
+    shares = iter([0.01, 0.5, 0.01, 0.02, 0.9])
+
+    def cut(*of):
+        share = next(shares)
+        taken.append(share)
+        return share
+
+    monkeypatch.setattr(SnesSolve, "_cut", cut)
+    for _ in range(5 + snes_solve.IN_FULL):
+        newton.imbalances.append(1.0)
+        newton._damp_or_cut(None, None)
+    assert taken == [0.01, 0.5, 0.01, 0.02, *["full"] * snes_solve.IN_FULL, 0.9]
