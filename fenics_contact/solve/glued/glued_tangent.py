@@ -57,10 +57,10 @@ class GluedSolver(SplitSolver):
     def nearly_solved(self, given: Array) -> Array:
         """Nearly M⁻¹ r, of one vector, by the cells at slaves and those at masters.
 
-        With A of the cells at slaves on masters that are held, x = (A + W)⁻¹ r is exact but for
-        what masters give way under the forces A x = r − W x: with B of their cells
-        P B⁻¹ Pᵀ A x, of which (A + W)⁻¹ A is left where W is stiff. That is the formula of
-        Woodbury for (A⁻¹ + P B⁻¹ Pᵀ)⁻¹ + W with what is stiff left out of a small matrix.
+        A is the stiffness of the cells at slaves on masters that are held, B that of the cells at
+        masters. Jumps are x = (A + W)⁻¹ r if masters do not move. Under the forces A x = r − W x
+        these give way by y = P B⁻¹ Pᵀ A x, and the answer is x + y − (A + W)⁻¹ W y: exactly
+        (A⁻¹ + P B⁻¹ Pᵀ) r where W is 0, and x where W is stiff.
         """
         return np.asarray(self._nearly_solved(given[None])[0])
 
