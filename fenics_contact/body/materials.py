@@ -275,7 +275,7 @@ class Elasticities:
 
     def _moduli_at_points(self) -> tuple[Array, Array]:
         """Young's modulus and Poisson's ratio at the points, at present temperatures."""
-        young = [material.youngs_modulus for material in self.materials]
+        young = [material.modulus for material in self.materials]
         poisson = [material.poissons_ratio for material in self.materials]
         return (
             self._at.evaluate("youngs_modulus", young, self._temperature),  # type: ignore[arg-type]
@@ -370,7 +370,7 @@ def _values(material: Material) -> list[Value | ModulusTable | None]:
     """All the values that a material is given by."""
     if material.stiffness is not None:
         return [value for row in material.stiffness for value in row]
-    return [material.youngs_modulus, material.poissons_ratio]
+    return [material.modulus, material.poissons_ratio]
 
 
 def _stiffness(material: Material) -> Sequence[Sequence[Value]]:

@@ -267,12 +267,23 @@ class Material:
             + "; ".join(f"`{name}`: {formula}" for name, formula in energies.FORMULAS.items())
         ),
     ] = None
+    constants: Annotated[
+        Mapping[str, Annotated[Number, STRESS]],
+        Field(
+            description="of `law`, in place of `youngs_modulus`: "
+            + "; ".join(
+                f"`{', '.join(names)}` of `{law}`" for law, names in energies.CONSTANTS.items()
+            )
+            + "; G = 2 (c10 + c01) and 2 c10"
+        ),
+    ] = Field(default_factory=dict)
 
     def __post_init__(self) -> None:
         isotropic = (self.youngs_modulus, self.poissons_ratio)
+        self._require_constants()
         if self.stiffness is None and self.name is None:
             for key, value in zip(("youngs_modulus", "poissons_ratio"), isotropic, strict=True):
-                if value is None:
+                if value is None and not (self.constants and key == "youngs_modulus"):
                     raise ValueError(f"{key} is missing (or give a stiffness)")
         elif self.stiffness is not None and isotropic != (None, None):
             raise ValueError("give either youngs_modulus and poissons_ratio, or stiffness")
@@ -284,6 +295,31 @@ class Material:
                 raise ValueError(f"poissons_ratio = {poisson:g} must lie between -1 and 0.5")
         if isinstance(self.density, float | int) and self.density <= 0:
             raise ValueError(f"density = {self.density:g} must be greater than 0")
+
+    def _require_constants(self) -> None:
+        """Refuse other constants than those of the law, and a modulus beside them."""
+        names = energies.CONSTANTS.get(self.law or "", ())
+        if set(self.constants) != set(names):
+            said = f"the law '{self.law}' has {', '.join(names) or 'none'}"
+            raise ValueError(f"constants: {said}; given are {', '.join(self.constants) or 'none'}")
+        if self.constants and self.youngs_modulus is not None:
+            raise ValueError("youngs_modulus: it follows from the constants; leave one of them out")
+        values = [one for one in self.constants.values() if isinstance(one, float | int)]
+        if self.law and len(values) == len(names) > 0:
+            shear = energies.shear_modulus(self.law, self.constants)
+            if shear <= 0:
+                raise ValueError(f"constants: they give a shear modulus of {shear:g}, not above 0")
+
+    @property
+    def modulus(self) -> Value | ModulusTable | None:
+        """Young's modulus in small strains, given or by the constants of its law."""
+        if (
+            not self.constants
+            or self.law is None
+            or not isinstance(self.poissons_ratio, float | int)
+        ):
+            return self.youngs_modulus
+        return 2 * (1 + self.poissons_ratio) * energies.shear_modulus(self.law, self.constants)
 
     @property
     def follows_temperature(self) -> bool:

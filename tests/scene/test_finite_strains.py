@@ -98,3 +98,29 @@ def test_a_body_that_supports_leave_free_is_refused():
 def test_a_study_is_refused():
     with refused("study_of_finite_strains"):
         Study(FINITE, body=box_body((2, 2)))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"law": "Yeoh"}, "yeoh_without_constants"),
+        ({"law": "neo-Hookean", "constants": {"c10": 1.0}}, "constants_of_neo_hookean"),
+        (
+            {"law": "Mooney-Rivlin", "constants": {"c10": 1.0, "c01": 0.1}},
+            "modulus_beside_constants",
+        ),
+    ],
+)
+def test_constants_belong_to_their_law(given, words):
+    with refused(words, SceneError):
+        Material(1.0, 0.3, **given)
+
+
+def test_constants_give_a_shear_modulus_above_0():
+    with refused("constants_of_no_shear", SceneError):
+        Material(poissons_ratio=0.3, law="Mooney-Rivlin", constants={"c10": 1.0, "c01": -2.0})
+
+
+def test_the_modulus_follows_from_constants():
+    rubbery = Material(poissons_ratio=0.25, law="Mooney-Rivlin", constants={"c10": 1, "c01": 0.5})
+    assert rubbery.modulus == pytest.approx(2 * 1.25 * 3)

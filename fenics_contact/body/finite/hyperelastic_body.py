@@ -66,7 +66,7 @@ class HyperelasticBody(ElasticBody):
     ) -> None:
         name = description.material[0].law
         assert name is not None
-        self._energy_name = name
+        self._energy_name, self._constants = name, description.material[0].constants
         super().__init__(description, spaces, displacement, held)
         if self.mixed is not None:
             raise InputError(
@@ -87,7 +87,7 @@ class HyperelasticBody(ElasticBody):
 
     def _density(self, gradient: Expr) -> Expr:
         assert isinstance(self.law, Isotropic)
-        return stored_energy(self._energy_name, gradient, self.law)
+        return stored_energy(self._energy_name, gradient, self.law, self._constants)
 
     def _gradient(self, displacement: Expr | None = None) -> Expr:
         return deformation_gradient(self.displacement if displacement is None else displacement)
@@ -133,6 +133,24 @@ class HyperelasticBody(ElasticBody):
         own = float(np.real(fem.assemble_scalar(self._stored)))
         return float(total(self._spaces.comm, own))
 
+    def _gradients_at(self, displacement: Array) -> Array:
+        """F in the plane at the points of this rank's own cells, (points, 2, 2)."""
+        self.displacement.x.array[:] = displacement.reshape(-1)
+        slopes = self._slopes.eval(self._spaces.body.mesh, self._cells).reshape(-1, 2, 2)
+        return np.asarray(slopes + np.eye(2))
+
+    def volume_ratio_at(self, displacement: Array) -> float:
+        """Least det F of a displacement; collective.
+
+        Cells where it is not a number count as turned inside out.
+
+        Args:
+            displacement: At the nodes of this rank, (nodes, components) (length).
+        """
+        gradients = self._gradients_at(displacement)
+        ratios = gradients[:, 0, 0] * gradients[:, 1, 1] - gradients[:, 0, 1] * gradients[:, 1, 0]
+        return smallest(self._spaces.comm, np.where(np.isfinite(ratios), ratios, -1.0))
+
     def stretches_at(self, displacement: Array) -> Stretches:
         """Extreme stretches of a displacement; collective.
 
@@ -142,13 +160,11 @@ class HyperelasticBody(ElasticBody):
             displacement: At the nodes of this rank, (nodes, components) (length).
         """
         comm = self._spaces.comm
-        self.displacement.x.array[:] = displacement.reshape(-1)
-        slopes = self._slopes.eval(self._spaces.body.mesh, self._cells).reshape(-1, 2, 2)
-        gradients = np.where(np.isfinite(slopes), slopes, 0.0) + np.eye(2)
-        ratios = np.where(np.isfinite(slopes).all(axis=(1, 2)), np.linalg.det(gradients), -1.0)
-        singular = np.linalg.svd(gradients, compute_uv=False)
+        gradients = self._gradients_at(displacement)
+        known = np.where(np.isfinite(gradients), gradients, 0.0)
+        singular = np.linalg.svd(known, compute_uv=False)
         return Stretches(
-            volume_ratio=smallest(comm, ratios),
+            volume_ratio=self.volume_ratio_at(displacement),
             most=largest(comm, singular[:, 0]),
             least=smallest(comm, singular[:, 1]),
         )

@@ -38,7 +38,7 @@ def require_finite_strains(scene: CoreScene) -> None:
             f"{_ASK}: is for kinematics = 'plane strain' yet, not for '{scene.kinematics}'"
         )
     for key, (_, material) in zip(keys, _of(scene), strict=True):
-        _require_material(material, key, scene.material[0].law)
+        _require_material(material, key, scene.material[0])
     _refuse(_beside(scene), _ASK)
     for number, support in enumerate(scene.support):
         _refuse(_of_support(support), f"support[{number}] with {_ASK}")
@@ -63,15 +63,21 @@ def _refuse(others: dict[str, bool], what: str) -> None:
             raise ValueError(f"{what}: not with {key} yet; leave one of the two out")
 
 
-def _require_material(material: Material, key: str, law: str | None) -> None:
-    """Each material names the same stored energy, and is compressible and isotropic."""
+def _require_material(material: Material, key: str, first: Material) -> None:
+    """Each material has the stored energy of the first, and is compressible and isotropic."""
     if material.law is None:
         *others, last = energies.names()
         raise ValueError(
             f"{key}.law is missing: {_ASK} needs the stored energy, {', '.join(others)} or {last}"
         )
-    if material.law != law:
-        raise ValueError(f"{key}.law = '{material.law}': all materials have one law yet, '{law}'")
+    if material.law != first.law:
+        raise ValueError(
+            f"{key}.law = '{material.law}': all materials have one law yet, '{first.law}'"
+        )
+    if material.constants != first.constants:
+        raise ValueError(f"{key}.constants: all materials have the same ones yet")
+    if material.constants and not isinstance(material.poissons_ratio, float | int):
+        raise ValueError(f"{key}.poissons_ratio: beside constants it must be a number")
     if material.stiffness is not None or material.follows_temperature:
         raise ValueError(
             f"{key}: {_ASK} takes numbers, profiles or functions for youngs_modulus and "

@@ -182,7 +182,7 @@ class NestedSolver:
             NotConvergedError: It is too short.
         """
         alpha = 1.0
-        while self._elastic.stretches_at(u + alpha * step).volume_ratio <= _LEAST_VOLUME:
+        while self._elastic.volume_ratio_at(u + alpha * step) <= _LEAST_VOLUME:
             alpha /= 2
             if alpha < _SHORTEST:
                 raise NotConvergedError("cells turn inside out: the load step is too long", ())

@@ -20,7 +20,7 @@ def volume_ratio(forces: InternalForces) -> Check | None:
     elastic = forces.problem.elastic
     if not isinstance(elastic, HyperelasticBody):
         return None
-    return Check(1 - elastic.stretches_at(forces.displacement).volume_ratio, _MOST_LOST)
+    return Check(1 - elastic.volume_ratio_at(forces.displacement), _MOST_LOST)
 
 
 def stable_equilibrium(forces: InternalForces) -> Check | None:

@@ -13,6 +13,7 @@ from fenics_contact import (
     Steps,
     Support,
 )
+from fenics_contact.verification.finite.rubber import rubber
 from tests.scenes import box_body
 
 NO_ERRORS = SolverSettings(errors="none")
@@ -28,7 +29,7 @@ def pressed(depth, friction=0.0, steps=1, on="y0", law="neo-Hookean", **more):
     return Scene(
         kinematics="plane strain",
         strains="finite",
-        material=Material(1.0, 0.3, law=law),
+        material=rubber(law),
         symmetry=("x0",),
         support=(Support("y1", {"y": -depth}),),
         contact=(
