@@ -157,7 +157,8 @@ class ContactSurface:
         self.last_step = LastStep(self._at_rest(), before)
         self.wear: Unworn = wear_of(site, self.friction, self.last_step)
         self.work = ContactWork(self.trace, self.normal, self.friction, self.last_step)
-        self.own_arrays = of_one_contact(*(law.state for law in self.laws))
+        declared = (law.state for law in self.laws)
+        self.own_arrays = of_one_contact(*declared, self.kinematics.state)
 
     def _kinematics(
         self, key: str, law: type[NormalLaw], has_small_strains: bool
@@ -528,6 +529,7 @@ class ContactSurface:
     def _own(self, state: ContactState) -> dict[str, Array]:
         """The laws' own arrays at the end of the present step, by name."""
         every: dict[str, Array] = {}
+        every |= self.kinematics.shown()
         for law in self.laws:
             every |= law.kept() | law.at_step_end(state) | law.shown(state)
         return {array.name: every[array.name] for array in self.own_arrays}

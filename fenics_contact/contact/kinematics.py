@@ -21,6 +21,7 @@ from fenics_contact.contact.mortar.facet_mesh import FacetMesh
 from fenics_contact.contact.mortar.pairing import Pairing, own_facets
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.contact.turning import Turning
+from fenics_contact.results.contact_points import PointArray
 
 # Of the lengths that a gap is a difference of: an overlap of no more is round-off.
 ROUND_OFF = 32 * float(np.finfo(float).eps)
@@ -52,11 +53,13 @@ class ContactKinematics(ABC):
         faces_body: Whether a deformable surface stands opposite, not a rigid obstacle.
         pairing: The deformable body opposite, None against an obstacle.
         axis: The obstacle's own, ``direction``; None where it has none but the surface's.
+        state: Arrays at the points that results have besides those of laws.
         paired_at: Displacement at which it was found what faces what, at the body's nodes of
             this rank; None as meshed (length).
     """
 
     faces_body: ClassVar[bool] = False
+    state: ClassVar[tuple[PointArray, ...]] = ()
     pairing: Pairing | None = None
     axis: Array | None = None
     paired_at: Array | None = None
@@ -203,6 +206,10 @@ class ContactKinematics(ABC):
         """Take a gap that was found from where the two sides stand."""
         self._drawn = drawn
         self.overlap_by(self.interference, self.worn)
+
+    def shown(self) -> dict[str, Array]:
+        """Arrays of ``state`` at the points at present, by name."""
+        return {}
 
     def kept(self) -> dict[str, Array]:
         """Arrays at the points that a later load step needs, by name; mostly none."""

@@ -60,6 +60,8 @@ AT_POINTS = (
     PointArray(PENALTY_ENERGY, "energy/area", is_written=False),
 )
 WRITTEN = tuple(array for array in AT_POINTS if array.is_written)
+# Of contacts in finite strains: where points are at the end; pictures do not draw it along a line.
+CURRENT_PLACE = PointArray("current", "length", is_vector=True)
 # Other names of columns, of fields and of what is saved with a load step.
 _TAKEN = {
     *("contact", "x", "y", "z", "nx", "ny", "nz", "status", "traction"),

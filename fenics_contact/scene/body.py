@@ -300,8 +300,8 @@ class Material:
         """Refuse other constants than those of the law, and a modulus beside them."""
         names = energies.CONSTANTS.get(self.law or "", ())
         if set(self.constants) != set(names):
-            said = f"the law '{self.law}' has {', '.join(names) or 'none'}"
-            raise ValueError(f"constants: {said}; given are {', '.join(self.constants) or 'none'}")
+            known, given = (", ".join(one) or "none" for one in (names, self.constants))
+            raise ValueError(f"constants: the law '{self.law}' has {known}; given are {given}")
         if self.constants and self.youngs_modulus is not None:
             raise ValueError("youngs_modulus: it follows from the constants; leave one of them out")
         values = [one for one in self.constants.values() if isinstance(one, float | int)]

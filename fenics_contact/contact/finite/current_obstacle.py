@@ -13,6 +13,7 @@ measured last.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 import ufl
@@ -24,6 +25,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.contact.between_points import BetweenPoints, nowhere
 from fenics_contact.contact.kinematics import ContactKinematics
 from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.results.contact_points import CURRENT_PLACE, PointArray
 from fenics_contact.scene.obstacle import Obstacle
 
 
@@ -40,6 +42,8 @@ class CurrentObstacle(ContactKinematics):
             (1/length).
         slip_rate: How fast slip grows there by the way of a point along the obstacle, (points,).
     """
+
+    state: ClassVar[tuple[PointArray, ...]] = (CURRENT_PLACE,)
 
     def __init__(self, trace: Trace, obstacle: Obstacle) -> None:
         super().__init__(trace)
@@ -91,6 +95,10 @@ class CurrentObstacle(ContactKinematics):
         self.slip_rate = found.rate[self.trace.numbers]
         self._measure(np.where(self._left_out, np.inf, 0.0))
         self.move(moved)
+
+    def shown(self) -> dict[str, Array]:
+        """Current places of the points (length)."""
+        return {CURRENT_PLACE.name: self.places}
 
     def kept(self) -> dict[str, Array]:
         """Where slip of the points begins along the obstacle (length)."""

@@ -16,7 +16,7 @@ from fenics_contact.common.arrays import Array, Flags, Integers
 from fenics_contact.report.drawing.cells import contact_pieces
 from fenics_contact.report.drawing.charts import Cylinder, chart_of
 from fenics_contact.report.drawing.style import Mark, labelled, marks, neighbourhood
-from fenics_contact.results.contact_points import ContactTable, PointArray
+from fenics_contact.results.contact_points import CURRENT_PLACE, ContactTable, PointArray
 from fenics_contact.results.records.contacts import ContactRecord
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def shown_arrays(rows: ContactTable, contact: ContactRecord) -> dict[str, PointA
         rows: Points of a contact.
         contact: Its entry in ``result.json``.
     """
-    arrays = contact.own_arrays
+    arrays = [array for array in contact.own_arrays if array != CURRENT_PLACE]
     return {array.words: array for array in arrays if np.nan_to_num(sizes(rows, array)).any()}
 
 

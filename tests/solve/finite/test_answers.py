@@ -90,6 +90,10 @@ def test_sides_fold_onto_the_floor():
     points = found.points
     folded = (points.coordinates[:, 1] > 1e-9) & (points.contact_pressure > 0)
     assert folded.sum() >= 1
+    assert np.abs(points.own["current"][folded, 1]).max() < 1e-9
+    met = np.isfinite(points.gap)  # all but the corner that is held
+    assert met.sum() == len(met) - 1
+    assert np.allclose(points.own["current"][met, 1], points.gap[met], atol=1e-9)
     at_once = run(pressed(0.4, 0.3, 2, on="foot"), body=square(8))
     force = found.quantities["normal_force"]
     assert abs(at_once.quantities["normal_force"] - force) < 1e-3 * force
