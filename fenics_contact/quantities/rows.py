@@ -323,13 +323,15 @@ ROWS = (
     Quantity(
         f"{names.TEMPERATURE_OF_POINTS}NAME",
         "temperature",
-        "at each `[[point]]`, where the scene has temperatures, as it gives them",
+        "at each `[[point]]`, where the scene has temperatures, as it gives them; where conduction "
+        "finds them with an error bar",
         has_true_value=False,
     ),
     Quantity(
         names.MAX_TEMPERATURE,
         "temperature",
-        "the highest of all nodes, where the scene has temperatures",
+        "the highest of all nodes, where the scene has temperatures; where conduction finds them "
+        "with an error bar, which counts what lies between the nodes",
         has_true_value=False,
     ),
     Quantity(

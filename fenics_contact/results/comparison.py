@@ -296,7 +296,7 @@ class Comparison:
 def _estimate(key: str, quantities: Quantities, errors: Errors) -> Estimate:
     value = quantities[key]
     reason = without_value(key) if value is None else ""
-    return Estimate(value, errors.get(key), reason, has_true_value(key))
+    return Estimate(value, errors.get(key), reason, key in errors or has_true_value(key))
 
 
 def _names(runs: Sequence[ComparedRun], names_of: _NamesOf) -> list[str]:

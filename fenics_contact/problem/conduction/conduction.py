@@ -135,6 +135,11 @@ class Conduction:
         return any(one.grows for one in self.contacts)
 
     @property
+    def follows_pressures(self) -> bool:
+        """Whether a conductance depends on the pressure, or on whether there is any."""
+        return any(one.varies or one.contact.is_one_sided for one in self.contacts)
+
+    @property
     def highest_pressure(self) -> float:
         """The highest pressure of which a conductance says anything (stress)."""
         return max(one.highest_pressure for one in self.contacts)

@@ -94,7 +94,7 @@ class Quantity:
         if len(found) < len(values):
             return NO_VALUE
         value = found if "" not in self.parts else found[0]
-        if not has_bars or not has_true_value(self.name):
+        if not has_bars or (self.bars is None and not has_true_value(self.name)):
             return rounded(value, None, size)[0]
         bar = None if self.bars is None else self.bars[row]
         words, width = rounded(value, {"total": bar}, size)

@@ -102,7 +102,7 @@ def quantities_table(
     for name in [name for name in quantities if name not in idle]:
         value = quantities[name]
         cells = [without_value(name)]
-        if value is not None and errors and has_true_value(name):
+        if value is not None and errors and (name in errors or has_true_value(name)):
             cells = _with_bar(value, errors.get(name), sizes[measured_by(name)])
         elif value is not None:
             cells = [written(value)]

@@ -25,6 +25,7 @@ from fenics_contact.evaluate.couplings import coupling_motions
 from fenics_contact.evaluate.internal_forces import InternalForces
 from fenics_contact.evaluate.nodal_forces import BulkForces
 from fenics_contact.evaluate.quantities import global_quantities, scalar_records, support_records
+from fenics_contact.evaluate.temperatures import ModelTemperatures
 from fenics_contact.problem.problem import Problem
 from fenics_contact.quantities import table
 from fenics_contact.quantities.table import QuantityValue
@@ -48,7 +49,8 @@ _MOST_ROWS = 24
 class Measured:
     """Quantities of a solution, called in its state.
 
-    Of a contact by its number and the name, of supports by a ``Reaction``. Without what is inside
+    Of a contact by its number and the name, of supports by a ``Reaction``. With temperatures where
+    conduction finds them; those that the scene gives have no error. Without what is inside
     a body that is condensed, where that is found for nobody else and few numbers are asked of it.
     """
 
@@ -57,14 +59,20 @@ class Measured:
         self._problem, self._system = load_steps.problem, load_steps.newton.system
         self._answer = load_steps.last.solution
         self._of_answer: dict[Hashable, QuantityValue] = {}
+        is_found = self._problem.conduction is not None
+        self._temperatures = ModelTemperatures(self._problem) if is_found else None
 
     def __call__(self, solution: Solution) -> dict[Hashable, QuantityValue]:
         """Return the quantities of a solution; collective."""
         if solution is not self._answer:
-            return measured(self._problem, solution, self._forces(solution))
+            return self._measured(solution)
         if not self._of_answer:
-            self._of_answer = measured(self._problem, solution, self._forces(solution))
+            self._of_answer = self._measured(solution)
         return self._of_answer
+
+    def _measured(self, solution: Solution) -> dict[Hashable, QuantityValue]:
+        found = measured(self._problem, solution, self._forces(solution))
+        return found if self._temperatures is None else found | self._temperatures.quantities()
 
     def _forces(self, solution: Solution) -> InternalForces:
         """Return the forces that the bulk needs in the present state; collective."""

@@ -15,6 +15,7 @@ from fenics_contact import (
     Heat,
     Load,
     Material,
+    Point,
     Scene,
     SolverSettings,
     Support,
@@ -38,6 +39,7 @@ def _blocks(cells, degree, **more):
     given = {
         "support": (Support("a.x0", {"x": 0.0}), Support("b.x0", {"x": 0.0})),
         "contact": (Contact("a.y1", against="b.y0", conductance=growing),),
+        "point": (Point("inside", (13.7, 8.9)),),
         "heat": (
             Heat("a.y0", temperature=100),
             Heat("b.x1", film=Film(coefficient=0.005, temperature=0)),
@@ -77,7 +79,8 @@ def test_bars_beside_a_finer_mesh(degree, more):
     exact = run(replace(fine, solver=NO_ERRORS), COMM, body).quantities
     found = run(*(lambda made, own: (made, COMM, own))(*_blocks(2, degree, **more)))
     assert not found.error_notes
-    names = ["heat_flow", "strain_energy"] + ["normal_force"] * (more is CLAMPED)
+    names = ["heat_flow", "strain_energy", "temperature_inside"]
+    names += ["normal_force"] * (more is CLAMPED)
     for name in names:
         error, bar = abs(found.quantities[name] - exact[name]), found.errors[name]["total"]
         is_exact = error <= 1e-8 * abs(exact[name])
@@ -131,3 +134,74 @@ def test_what_is_not_estimated_where_heat_meets_nearly_incompressible_material()
     assert found.errors["heat_flow"]["mesh"] is None
     assert found.errors["heat_flow"]["penalty"] is not None
     assert "nearly incompressible" in " ".join(found.error_notes)
+
+
+def _tube(cells, degree, conductivity=0.05):
+    """A tube that takes in a flux inside and has a film outside, and its temperatures by r."""
+    inner, outer, flux, film, around = 10.0, 40.0, 0.05, 0.002, 20.0
+    made = Scene(
+        kinematics="axisymmetric",
+        material=replace(STEEL, on="", conductivity=conductivity),
+        support=(Support("a.y0", {"y": 0.0}),),
+        heat=(Heat("a.x0", flux=flux), Heat("a.x1", film=Film(film, around))),
+        point=(Point("inside", (17.3, 7.1)),),
+        discretisation=Discretisation(degree=degree),
+    )
+
+    def at(radius):
+        return around + flux * inner * (1 / (film * outer) + log(outer / radius) / conductivity)
+
+    body = boxes([Box("a", (inner, 0), (outer, 20), (cells, cells // 2))])
+    return (made, COMM, body), {"max_temperature": at(inner), "temperature_inside": at(17.3)}
+
+
+def _heated_block(cells, degree):
+    """T = 100 sin(π x/L) cosh(π y/L)/cosh π, by a flux at y = L, between cold sides."""
+    size, point, top = 20.0, (7.3, 13.1), 100 / np.cosh(pi)
+
+    def flux(x):
+        wave = np.sin(pi * x[0] / size) * np.sinh(pi * x[1] / size)
+        return STEEL.conductivity * pi / size * top * wave
+
+    cold = Heat("a.x0", temperature=0), Heat("a.x1", temperature=0)
+    made = Scene(
+        kinematics="plane strain",
+        material=STEEL,
+        support=(Support("a.y0", {"x": 0.0, "y": 0.0}),),
+        heat=(*cold, Heat("a.y1", flux=flux)),
+        point=(Point("inside", point),),
+        discretisation=Discretisation(degree=degree),
+    )
+    at_point = top * np.sin(pi * point[0] / size) * np.cosh(pi * point[1] / size)
+    body = boxes([Box("a", (0, 0), (size, size), (cells, cells))])
+    return (made, COMM, body), {"max_temperature": 100.0, "temperature_inside": at_point}
+
+
+@pytest.mark.errors
+@pytest.mark.parametrize(
+    ("model", "cells", "degree"),
+    [
+        (_tube, 6, 1),
+        (_tube, 6, 2),
+        (_heated_block, 3, 1),
+        (_heated_block, 3, 2),
+        (_heated_block, 6, 2),
+    ],
+)
+def test_bars_of_temperatures_by_formulas(model, cells, degree):
+    """The highest one lies at a node, or between nodes, where nodes are too cold."""
+    model, exact = model(cells, degree)
+    found = run(*model)
+    for name, value in exact.items():
+        error, bar = abs(found.quantities[name] - value), found.errors[name]["total"]
+        assert error <= bar <= 12 * error, name
+
+
+@pytest.mark.errors
+def test_a_wrong_temperature_is_beyond_its_bar():
+    """A conductivity that is off by one per cent."""
+    _, exact = _tube(6, 2)
+    model, _ = _tube(6, 2, conductivity=1.01 * 0.05)
+    found = run(*model)
+    for name, value in exact.items():
+        assert abs(found.quantities[name] - value) > found.errors[name]["total"], name

@@ -36,10 +36,12 @@ from fenics_contact.quantities.names import (
     FRICTION_WORK,
     HEAT_FLOW,
     MAX_CONTACT_PRESSURE,
+    MAX_TEMPERATURE,
     SLIP_AREA,
     STICK_AREA,
     STICK_RADIUS,
     STRAIN_ENERGY,
+    TEMPERATURE_OF_POINTS,
 )
 from fenics_contact.scene.loading.load_paths import cycles_of
 from fenics_contact.scene.quantity_names import LossOfCycle
@@ -171,10 +173,13 @@ def mesh_errors(
         if at_contact is None:
             continue
         change = max(whole[key], at_random[key])
-        if problem.scene.accuracy is None and held.hides(change, recorded[-1][1][key]):
+        is_stiff = not _is_of_heat_alone(problem, key)
+        is_judged = is_stiff and problem.scene.accuracy is None
+        if is_judged and held.hides(change, recorded[-1][1][key]):
             hidden.append(key)
             continue
-        of_cells = held.all_steps * _LOCAL[problem.spaces.degree] * change
+        of_cells = _LOCAL[problem.spaces.degree] * change
+        of_cells *= held.all_steps if is_stiff else 1.0
         of_mesh = float(np.hypot(of_cells + _SCATTER * scatter[key], at_contact))
         leading = of_mesh + _CURVED * curved[key]
         of_nodes = pinned.get(key, 0.0) + unseen.get(key, 0.0)
@@ -183,6 +188,14 @@ def mesh_errors(
     if hidden and notes is not None:
         notes.append(TOO_STIFF)
     return found or None, local  # no errors at all would say that the mesh makes none
+
+
+def _is_of_heat_alone(problem: Problem, key: Hashable) -> bool:
+    """Whether no displacement changes a quantity: a temperature that no pressure changes."""
+    conduction = problem.conduction
+    if conduction is None or conduction.follows_pressures or not isinstance(key, str):
+        return False
+    return key == MAX_TEMPERATURE or key.startswith(TEMPERATURE_OF_POINTS)
 
 
 def _add_between_nodes(

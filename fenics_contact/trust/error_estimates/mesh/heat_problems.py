@@ -20,7 +20,7 @@ from ufl.core.expr import Expr
 
 from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
-from fenics_contact.common.parallel import total
+from fenics_contact.common.parallel import largest, total
 from fenics_contact.contact.state import ContactState
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.evaluate.internal_forces import traction_of
@@ -28,6 +28,7 @@ from fenics_contact.mesh.tagged_mesh import Group
 from fenics_contact.problem.conduction.conduction import Conduction
 from fenics_contact.problem.curved_sides import CurvedSides, sampled
 from fenics_contact.problem.problem import Problem
+from fenics_contact.quantities.names import MAX_TEMPERATURE, TEMPERATURE_OF_POINTS
 from fenics_contact.trust.error_estimates.mesh.bubbles import bubble_element
 
 # What one degree more adds to the integrands over the body's own.
@@ -147,6 +148,24 @@ class HeatErrors:
         """
         bodies = self._conduction.bodies
         return np.asarray(np.add.reduce([bodies.nodal(form) for form in self._response]))
+
+    def of_temperatures(self) -> dict[str, float]:
+        """Return errors of temperatures besides those of nodes; collective.
+
+        By quantity: at the scene's points the size of e, and of the highest temperature by how much
+        T + e is higher within cells than T is at the nodes.
+        """
+        points, scene = self._problem.points, self._problem.scene
+        at_points = zip(scene.point, points.of_scalar(self.error), strict=True)
+        found = {f"{TEMPERATURE_OF_POINTS}{point.name}": abs(error) for point, error in at_points}
+        mesh, degree = self._spaces.body.mesh, self._spaces.degree
+        finer = fem.functionspace(mesh, ("DG", 2 * degree))
+        parts = [fem.Function(finer), fem.Function(finer)]
+        for part, values in zip(parts, (self.rise, self.error), strict=True):
+            part.interpolate(values)
+        within = largest(self._spaces.comm, parts[0].x.array + parts[1].x.array)
+        at_nodes = largest(self._spaces.comm, self.rise.x.array)
+        return found | {MAX_TEMPERATURE: max(within - at_nodes, 0.0)}
 
     def across(self, states: Sequence[ContactState]) -> dict[int, float]:
         """Heat that errors of temperature within cells carry across contacts; collective.

@@ -206,10 +206,11 @@ class LocalErrors:
     def at_points(self) -> dict[str, float]:
         """Return errors of displacements at the scene's points, besides those of nodes; collective.
 
-        The length of e there, by quantity.
+        The length of e there, by quantity. With those of temperatures where conduction finds them.
         """
         found = self._problem.points.of_function(self._error)
-        return {name: float(np.linalg.norm(error)) for name, error in found.items()}
+        lengths = {name: float(np.linalg.norm(error)) for name, error in found.items()}
+        return lengths if self._heat is None else lengths | self._heat.of_temperatures()
 
     def forces(self, draw: int | None = None) -> ForcesOfErrors:
         """Nodal forces that move the solution as its errors do, (nodes, components); collective.
