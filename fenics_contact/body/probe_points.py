@@ -106,12 +106,12 @@ class DisplacementPoints:
         values = function.eval(self._at[self._points], self._cells.astype(np.int32))
         return self._summed(np.reshape(values, (len(self._points), self._shape[1])))
 
-    def of_scalar(self, function: fem.Function) -> list[float]:
-        """A function at every point, in the cell that the point counts to; collective."""
+    def of_scalar(self, function: fem.Function) -> Array:
+        """A function at every point, (points,), in the cell that it counts to; collective."""
         values = function.eval(self._at[self._points], self._cells.astype(np.int32))
         every = np.zeros(len(self._at))
         every[self._points] = np.reshape(values, len(self._points))
-        return np.asarray(total(self._comm, every)).tolist()
+        return np.asarray(total(self._comm, every))
 
     def _summed(self, values: Array) -> dict[str, list[float]]:
         """Values at the points of this rank, by quantity and of all ranks."""

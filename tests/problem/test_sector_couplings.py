@@ -10,8 +10,10 @@ from fenics_contact import (
     Coupling,
     CyclicSymmetry,
     Discretisation,
+    Heat,
     Material,
     Modes,
+    Point,
     Run,
     Scene,
     SolverSettings,
@@ -128,6 +130,30 @@ def test_a_point_of_each_sector_moves_in_all_ways(dimension, kind, solver):
     assert np.abs(own.displacement).max() > 1e-3
     energy = part.cyclic_symmetry.whole["strain_energy"]
     assert energy == pytest.approx(whole.quantities["strain_energy"], rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_point_of_each_sector_moves_with_heat(kind):
+    """Of lugs that heat flows through from a hot bore to cold ends, as those of the whole ring."""
+    warm = Material(E, NU, thermal_expansion=1e-4, conductivity=0.05)
+    found = []
+    for copies in (SECTORS, 1):
+        cold = [Heat(f"lug{k}.y1", temperature=10) for k in range(copies)]
+        heat = (Heat("ring.y0", temperature=80), *cold)
+        bore = Point("bore", (12.0, 6.0))
+        scene = on_lugs(copies, kind=kind, material=warm, heat=heat, point=(bore,))
+        found.append(solved(scene, lugs_on_ring(copies)))
+    whole, part = found
+    (own,), other = part.couplings, whole.couplings[0]
+    assert own.displacement == pytest.approx(other.displacement, rel=1e-9)
+    assert own.rotation == pytest.approx(other.rotation, rel=1e-9)
+    assert own.force == pytest.approx(other.force, rel=1e-9)
+    name = "temperature_bore"
+    assert 20 < part.quantities[name] < 79
+    assert part.quantities[name] == pytest.approx(whole.quantities[name], rel=1e-9)
+    energy = part.cyclic_symmetry.whole["strain_energy"]
+    assert energy == pytest.approx(whole.quantities["strain_energy"], rel=1e-9)
+    assert part.checks["heat_balance"].value < 1e-9
 
 
 # --- A shaft: one point for all sectors ------------------------------------------------------

@@ -72,7 +72,9 @@ class Measured:
 
     def _measured(self, solution: Solution) -> dict[Hashable, QuantityValue]:
         found = measured(self._problem, solution, self._forces(solution))
-        return found if self._temperatures is None else found | self._temperatures.quantities()
+        if self._temperatures is not None:
+            found.update(self._temperatures.quantities())
+        return found
 
     def _forces(self, solution: Solution) -> InternalForces:
         """Return the forces that the bulk needs in the present state; collective."""

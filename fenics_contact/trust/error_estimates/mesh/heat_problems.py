@@ -157,7 +157,9 @@ class HeatErrors:
         """
         points, scene = self._problem.points, self._problem.scene
         at_points = zip(scene.point, points.of_scalar(self.error), strict=True)
-        found = {f"{TEMPERATURE_OF_POINTS}{point.name}": abs(error) for point, error in at_points}
+        found = {
+            f"{TEMPERATURE_OF_POINTS}{point.name}": abs(float(error)) for point, error in at_points
+        }
         mesh, degree = self._spaces.body.mesh, self._spaces.degree
         finer = fem.functionspace(mesh, ("DG", 2 * degree))
         parts = [fem.Function(finer), fem.Function(finer)]
