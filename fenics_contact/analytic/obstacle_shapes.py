@@ -18,6 +18,8 @@ PLANE_MODELS = ("plane strain", "plane stress")
 ALL_MODELS = (*PLANE_MODELS, "axisymmetric", "3D")
 # A point counts as opposite the edge of a punch within this share of its radius.
 _EDGE = 1e-6
+# Of the radius of a parabola: height above the centre of curvature down to which feet are found.
+_LEAST_ABOVE = 1e-3
 # Of a ray, how much of it has to go towards an obstacle.
 _TOWARDS = 1e-9
 
@@ -188,8 +190,27 @@ class Paraboloid(ObstacleShape):
 class Parabola(Paraboloid):
     """A parabola, which is straight along lines in 3D."""
 
-    name, has_lines = "parabola", True
+    name, has_lines, tells_nearest = "parabola", True, True
     models = (*PLANE_MODELS, "3D")
+
+    def nearest(self, offsets: Array, sizes: Sizes) -> Nearest:
+        """Feet t of the normals, t³ + 2R (R + h) t = 2R² x of a place at x along and h above.
+
+        Of places deeper than the centre of curvature at the apex it is one of three.
+        """
+        normal, radius = sizes.normal[:2], sizes.radius
+        tangent = turned(normal)
+        along, height = offsets @ tangent, offsets @ normal
+        linear = 2 * radius * np.maximum(radius + height, _LEAST_ABOVE * radius)
+        root = np.sqrt(linear / 3)
+        slope = 2 * root * np.sinh(np.arcsinh(radius**2 * along / root**3) / 3) / radius
+        length = np.sqrt(1 + slope**2)
+        normals = (normal + slope[:, None] * tangent) / length[:, None]
+        feet = radius * (slope[:, None] * tangent - 0.5 * slope[:, None] ** 2 * normal)
+        distance = np.einsum("ij,ij->i", offsets - feet, normals)
+        arc = 0.5 * radius * (slope * length + np.arcsinh(slope))
+        own = 1 / (radius * length**3)
+        return Nearest(distance, normals, arc, own / (1 + own * distance), 1 / (1 + own * distance))
 
 
 class Sphere(ObstacleShape):

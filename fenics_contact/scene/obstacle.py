@@ -35,6 +35,8 @@ Shape = Annotated[str, OneOf(obstacle_shapes.names)]
 class ObstacleRotation:
     """Small rotation of an obstacle about an axis: its point at x moves by ω × (x − at).
 
+    In finite strains it is of any size.
+
     >>> ObstacleRotation(angle=0.01, at=(1, 0)).angle
     0.01
     """
@@ -167,7 +169,10 @@ class Obstacle:
     ] = None
     rotation: Annotated[
         ObstacleRotation | None,
-        Field(description="how far it turns besides, about which axis; small, as in linear theory"),
+        Field(
+            description="how far it turns besides, about which axis; small, as in linear theory, "
+            "of any size in finite strains, where the axis moves along"
+        ),
     ] = None
     rotation_path: Annotated[
         LoadPath, Field(description="of the rotation's angle or the moment over the load steps")

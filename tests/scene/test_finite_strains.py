@@ -69,7 +69,7 @@ def contact(**changes):
             "finite_strains_with_static_friction",
         ),
         (contact(obstacle=None), "finite_strains_without_shape"),
-        (contact(obstacle=Obstacle("parabola", radius=1, normal=(0, 1))), "finite_parabola"),
+        (contact(obstacle=Obstacle("flat punch", radius=1, normal=(0, 1))), "finite_flat_punch"),
         (contact(obstacle=Obstacle("plane")), "finite_strains_without_normal"),
         (
             contact(obstacle=Obstacle("plane", normal=(0, 1), force=1.0)),

@@ -13,6 +13,7 @@ measured last.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -25,6 +26,7 @@ from fenics_contact.common.errors import InputError
 from fenics_contact.contact.between_points import BetweenPoints, nowhere
 from fenics_contact.contact.kinematics import ContactKinematics
 from fenics_contact.contact.surface.trace import Trace
+from fenics_contact.contact.turning import Turning
 from fenics_contact.results.contact_points import CURRENT_PLACE, PointArray
 from fenics_contact.scene.obstacle import Obstacle
 
@@ -56,6 +58,7 @@ class CurrentObstacle(ContactKinematics):
         given = normal if obstacle.direction is None else in_3d(obstacle.direction)
         self.direction = (given / np.linalg.norm(given))[:2]
         self.axis = self.direction
+        self.turning = Turning.of(obstacle.turning)
         self._left_out = np.zeros(len(trace.weights), dtype=bool)
         self._origin = np.zeros_like(self.jump.x.array).reshape(-1, 2)
         self._meshed = trace.surface.coordinates[:, :2]
@@ -65,9 +68,25 @@ class CurrentObstacle(ContactKinematics):
         self.slip_rate = np.ones(len(trace.weights))
 
     def _nearest(self, places: Array) -> Nearest:
-        """Nearest points of the obstacle as it stands at present."""
-        offsets = places - self.translation - self._apex
-        return self._shape.nearest(offsets, self._sizes)
+        """Nearest points of the obstacle as it stands at present.
+
+        They are found where the obstacle stood at first, to which places are moved and turned back.
+        """
+        centre, forth = self.turning.at[:2], _rotation(self.angle)
+        before = centre + (places - self.translation - centre) @ forth
+        found = self._shape.nearest(before - self._apex, self._sizes)
+        return replace(found, normals=found.normals @ forth.T)
+
+    def wrench(self, force: Array) -> Array:
+        """Resultant of this rank's forces, and moment about the axis where it is now, (3,).
+
+        Args:
+            force: On the body at the contact's nodes, (nodes, 2) (force).
+        """
+        owned = self.trace.owned[: len(force)]
+        arms = self.places[: len(force)] - self.turning.at[:2] - self.translation
+        moments = arms[:, 0] * force[:, 1] - arms[:, 1] * force[:, 0]
+        return np.append(force[owned].sum(axis=0), moments[owned].sum())
 
     def measure(self, displacement: Array, slip_before: Array) -> None:
         """Take gaps, normals, slips and areas at a displacement; collective.
@@ -192,7 +211,7 @@ class CurrentObstacle(ContactKinematics):
 
         Args:
             displacement: From where it stood at first, (2,) (length).
-            angle: 0: no obstacle turns yet (radian).
+            angle: Which ``turn`` has taken already (radian).
         """
         self.displacement = displacement
 
@@ -204,6 +223,11 @@ class CurrentObstacle(ContactKinematics):
 
     def update_pairing(self, displacement: Array | None) -> None:
         """An obstacle is measured where it stands."""
+
+
+def _rotation(angle: float) -> Array:
+    """Matrix that turns vectors counterclockwise, (2, 2)."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def tangents(normals: Array) -> Array:

@@ -168,6 +168,5 @@ def _require_obstacle(obstacle: Obstacle | None, key: str) -> None:
     others = {
         "force": obstacle.force is not None,
         "moment": obstacle.moment is not None,
-        "rotation": obstacle.rotation is not None,
     }
     _refuse(others, f"{key} with {_ASK}")

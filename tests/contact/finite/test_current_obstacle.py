@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from fenics_contact import Contact, Material, Obstacle, Run, Scene, Support
+from fenics_contact import (
+    Contact,
+    Material,
+    Obstacle,
+    ObstacleRotation,
+    Run,
+    Scene,
+    Support,
+)
 from fenics_contact.analytic.obstacle_shapes import Sizes, shape_of
 from fenics_contact.contact.contact_surface import ContactSurface
 from fenics_contact.solve.finite.contact_passes import ContactPasses
@@ -11,6 +19,14 @@ from fenics_contact.solve.systems.contact_dofs import ContactDofs
 from tests.scenes import box_body
 
 PLANE = Obstacle(shape="plane", position=(0.1, 1.2), normal=(0.3, -1))
+PARABOLA = Obstacle(
+    shape="parabola",
+    radius=0.5,
+    position=(0.5, 1.05),
+    normal=(0.1, -1),
+    rotation=ObstacleRotation(angle=0.4, at=(0.3, 1.5)),
+    displacement=(0.1, -0.05),
+)
 ROLLER = Obstacle(shape="cylinder", radius=0.7, position=(0.4, 1.1), normal=(0.2, -1))
 
 
@@ -35,7 +51,12 @@ def on_roller():
     return block(ROLLER)
 
 
-@pytest.fixture(params=["on_plane", "on_roller"])
+@pytest.fixture(scope="module")
+def on_parabola():
+    return block(PARABOLA)
+
+
+@pytest.fixture(params=["on_plane", "on_roller", "on_parabola"])
 def problem(request):
     return request.getfixturevalue(request.param)
 
@@ -84,6 +105,31 @@ def test_gap_and_slip_of_a_cylinder_are_radius_and_arc(on_roller):
     cross = before[:, 0] * now[:, 1] - before[:, 1] * now[:, 0]
     angle = np.arctan2(cross, np.einsum("ij,ij->i", before, now))
     assert np.allclose(slip, 0.7 * angle, atol=1e-14)
+
+
+def test_gap_and_slip_of_a_parabola_are_the_least_distance_and_the_length_of_its_line(on_parabola):
+    """That moved aside and turned; by brute force among many of its points."""
+    contact = on_parabola.contacts[0]
+    u, _ = fields(on_parabola)
+    first, _, _ = measured(contact, 0 * u)
+    places, gap, slip = measured(contact, u)
+    normal = np.array([0.1, -1]) / np.hypot(0.1, 1)
+    along = np.linspace(-4, 4, 400_001)
+    line = np.array([0.5, 1.05]) + np.outer(along, [-normal[1], normal[0]])
+    line -= np.outer(along**2 / (2 * 0.5), normal)
+    length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    turn = np.array([[np.cos(0.4), -np.sin(0.4)], [np.sin(0.4), np.cos(0.4)]])
+    moved = [0.3, 1.5] + (line - [0.3, 1.5]) @ turn.T + [0.1, -0.05]
+
+    def nearest(places, on):
+        away = [np.linalg.norm(on - place, axis=1) for place in places]
+        feet = np.array([one.argmin() for one in away], dtype=np.int64)
+        return np.array([one.min() for one in away]), length[feet]
+
+    distance, foot = nearest(places, moved)
+    _, before = nearest(first, line)
+    assert np.allclose(np.abs(gap), distance, atol=1e-9)
+    assert np.allclose(slip, foot - before, atol=3e-5)
 
 
 def test_slip_goes_on_around_a_cylinder():

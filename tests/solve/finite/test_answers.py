@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fenics_contact import Run, SolverSettings, run
+from fenics_contact import ObstacleRotation, Path, Run, SolverSettings, run
 from fenics_contact.analytic.finite_strains import lubricated_block
 from fenics_contact.scene.laws import energies
 from fenics_contact.solve.finite import nested_solver
@@ -80,6 +80,29 @@ def test_a_long_way_in_one_step_ends_as_in_several():
         for times in ([1.0, 2.0], [1.0, 1.25, 1.5, 1.75, 2.0])
     ]
     assert np.allclose(*ends, rtol=1e-9)
+
+
+def test_a_cylinder_that_spins_in_place_rubs_with_all_of_its_pressure():
+    """Three quarters of a turn: the moment is μ R ∫ p, and half of the way the work of it."""
+    scene = dragged([1.0, 1.5, 2.0], friction=0.2)
+    spun = dataclasses.replace(
+        scene.contact[0].obstacle,
+        displacement=None,
+        rotation=ObstacleRotation(angle=1.5 * np.pi, at=(2.5, 4.0)),
+        rotation_path=Path(time=(1, 2), factor=(0, 1)),
+        position=(2.5, 3.0),
+    )
+    contact = dataclasses.replace(scene.contact[0], obstacle=spun)
+    found = run(dataclasses.replace(scene, contact=(contact,)), body=long_block())
+    assert found.passed, found.verdict
+    points = found.points
+    arms = points.own["current"][:, :2] - [2.5, 3.5]
+    forces = points.weights[:, None] * points.friction_traction[:, :2]
+    moment = np.sum(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0])
+    assert abs(moment - 0.2 * found.quantities["pressure_integral"]) < 1e-8
+    middle, end = (step.quantities for step in found.steps[1:])
+    work = end["external_work"] - middle["external_work"]
+    assert abs(work - 0.75 * np.pi * moment) < 1e-6
 
 
 def test_sides_fold_onto_the_floor():
