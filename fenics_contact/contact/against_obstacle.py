@@ -5,12 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from fenics_contact.analytic.complex_step import slope
-from fenics_contact.common.arrays import AnyIntegers, Array, Flags, Integers, in_3d
+from fenics_contact.common.arrays import Array, Flags, Integers, in_3d
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import gather_rows, raise_together, smallest, total
 from fenics_contact.contact.between_points import BetweenPoints, TooCoarseError
 from fenics_contact.contact.kinematics import ContactKinematics
-from fenics_contact.contact.mortar.facet_mesh import PointFunction, lowest_points, normalised
+from fenics_contact.contact.mortar.facet_mesh import (
+    FacetSamples,
+    PointFunction,
+    lowest_points,
+    normalised,
+)
 from fenics_contact.contact.rigid_obstacle import RigidObstacle
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.contact.turning import Turning
@@ -246,7 +251,8 @@ class ObstacleKinematics(ContactKinematics):
         comm, ahead = self._spaces.comm, self._ahead
         at_points, lowest = self.first_distances()
         rows = [self.trace.coordinates[ahead], self.trace.normals[ahead]]
-        normals = self._places_of(lowest.facets, lowest.reference)[1]
+        found = FacetSamples(self.facets, lowest.facets, lowest.reference[:, None])
+        normals = normalised(found.interpolate(self.facets.normals))
         # One that is as near as a point, as under a flat punch, is no nearer.
         between = -lowest.depth + _AS_NEAR * lowest.spacing
         rows = [np.concatenate(parts) for parts in zip(rows, (lowest.places, normals), strict=True)]
@@ -269,25 +275,28 @@ class ObstacleKinematics(ContactKinematics):
         """
         return self.gap[self._ahead] / self.facing[self._ahead], self._lowest(self._distance)
 
-    def _distance(self, facets: AnyIntegers, reference: Array) -> Array:
+    def _distance(self, samples: FacetSamples) -> Array:
         """How far the obstacle is from places on facets, along its own way (length)."""
-        places, normals = self._places_of(facets, reference)
+        normals = normalised(samples.interpolate(self.facets.normals))
         facing = -(normals @ self.direction)
         ahead = facing > _AHEAD
-        gap = self._gap(places, normals) - self.interference - self.brought_up * facing
+        gap = self._gap(samples.positions, normals)
+        gap -= self.interference + self.brought_up * facing
         return np.where(ahead, gap / np.where(ahead, facing, 1.0), np.inf)
 
     def between_points(self, displacement: Array) -> BetweenPoints:
         """Where facets are deepest in the obstacle, between their points."""
         mesh, jump = self.facets, displacement[self.trace.all_nodes] - self.motion_at_nodes
         worn = self.trace.at_all_nodes(self.worn[: len(self.trace.nodes)])[:, None]
+        nodal, size = np.hstack([mesh.normals, jump, worn]), mesh.dimension
 
-        def present_gap(facets: AnyIntegers, reference: Array) -> Array:
-            places, normals = self._places_of(facets, reference)
-            gap = self._gap(places, normals) + self.brought_up * (normals @ self.direction)
-            gap += mesh.interpolate(worn, facets, reference)[:, 0] - self.interference
-            across = np.einsum("ij,ij->i", mesh.interpolate(jump, facets, reference), normals)
-            return np.asarray(gap - across)
+        def present_gap(samples: FacetSamples) -> Array:
+            found = samples.interpolate(nodal)
+            normals = normalised(found[:, :size])
+            gap = self._gap(samples.positions, normals) + found[:, 2 * size] - self.interference
+            # The way that brought the obstacle up to the surface closes the gap as the jump does.
+            closing = found[:, size : 2 * size] - self.brought_up * self.direction
+            return np.asarray(gap - np.einsum("ij,ij->i", closing, normals))
 
         return self._lowest(present_gap)
 
@@ -308,12 +317,6 @@ class ObstacleKinematics(ContactKinematics):
             reference=found.reference[met],
             spacing=self.facets.spacing[met],
         )
-
-    def _places_of(self, facets: AnyIntegers, reference: Array) -> tuple[Array, Array]:
-        """Places on facets, (points, 3), and unit normals there (length)."""
-        mesh = self.facets
-        normals = normalised(mesh.interpolate(mesh.normals, facets, reference))
-        return in_3d(mesh.positions(facets, reference)), normals
 
     def relative(self, displacement: Array) -> Array:
         """Displacement at all nodes of the surface: the obstacle's own is no unknown here."""

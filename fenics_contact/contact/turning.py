@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -47,9 +48,12 @@ class Turning:
 
     def across(self, vectors: Array, components: int) -> Array:
         """A × vectors, (vectors, components); the vectors have 3 components, or 2 in a plane."""
-        padded = np.zeros((len(vectors), 3), vectors.dtype)
-        padded[:, : vectors.shape[1]] = vectors
-        return np.asarray(np.cross(self.axis, padded)[:, :components])
+        return np.asarray(vectors @ self._turning[: vectors.shape[1], :components])
+
+    @cached_property
+    def _turning(self) -> Array:
+        """The matrix whose rows are a × e of the unit vectors e, (3, 3)."""
+        return np.cross(self.axis, np.eye(3))
 
     def require_symmetric(self, mirrored: Sequence[int], key: str) -> None:
         """Refuse an axis in a plane of symmetry: the other half would turn the other way.

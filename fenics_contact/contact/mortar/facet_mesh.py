@@ -15,7 +15,7 @@ import basix
 import numpy as np
 from basix.finite_element import FiniteElement
 
-from fenics_contact.common.arrays import AnyIntegers, Array
+from fenics_contact.common.arrays import AnyIntegers, Array, in_3d
 
 _REFERENCE_SIZES = {"interval": 1.0, "triangle": 0.5, "quadrilateral": 1.0}
 
@@ -180,7 +180,7 @@ def reference_nodes(shape: str, degree: int) -> Array:
 
 def normalised(vectors: Array) -> Array:
     """Vectors of length 1, (vectors, dimension)."""
-    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, None]
 
 
 def _tabulate(shape: str, degree: int, reference: Array, order: int) -> Array:
@@ -211,8 +211,51 @@ _CLOSER = {1: 8, 2: 2}
 # How close samples come together at last, over the distance of the first ones.
 _CLOSEST = 2.0**-16
 
-# Values at points (facets, reference coordinates), infinite where there is none.
-PointFunction = Callable[[AnyIntegers, Array], Array]
+
+@dataclass(frozen=True, eq=False)
+class FacetSamples:
+    """Places on facets, as many on each.
+
+    Attributes:
+        mesh: The surface.
+        facets: Numbers of the facets, (facets,).
+        reference: Places on them, (facets, samples, dimension − 1).
+    """
+
+    mesh: FacetMesh
+    facets: AnyIntegers
+    reference: Array
+
+    @cached_property
+    def positions(self) -> Array:
+        """Places of all samples, those of one facet after those of another, (…, 3) (length)."""
+        mesh = self.mesh
+        return in_3d(self._summed(self._functions(mesh.order), mesh.geometry[self.facets]))
+
+    def interpolate(self, nodal: Array) -> Array:
+        """A function of the space, given at all nodes (nodes, components), at all samples."""
+        mesh = self.mesh
+        return self._summed(self._functions(mesh.degree), nodal[mesh.nodes[self.facets]])
+
+    def _functions(self, degree: int) -> Array:
+        """Shape functions of a degree, (facets, samples, nodes of a facet)."""
+        if degree not in self._known:
+            flat = self.reference.reshape(-1, self.reference.shape[2])
+            found = _tabulate(self.mesh.shape, degree, flat, 0)[0]
+            self._known[degree] = found.reshape(*self.reference.shape[:2], found.shape[1])
+        return self._known[degree]
+
+    @cached_property
+    def _known(self) -> dict[int, Array]:
+        return {}
+
+    def _summed(self, functions: Array, of_nodes: Array) -> Array:
+        """Shape functions times values at the nodes of each facet, (samples of all, components)."""
+        return np.asarray(functions @ of_nodes).reshape(-1, of_nodes.shape[2])
+
+
+# Values at samples, those of one facet after those of another; infinite where there is none.
+PointFunction = Callable[[FacetSamples], Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +284,8 @@ def lowest_points(mesh: FacetMesh, counts: AnyIntegers, function: PointFunction)
     reference = np.tile(middle, (len(counts), 1))
     for count in np.unique(counts[counts > 0]):
         facets, samples = np.flatnonzero(counts == count), _samples(mesh.shape, int(count))
-        found = _at(function, facets, np.tile(samples, (len(facets), 1, 1)))
+        every = np.broadcast_to(samples, (len(facets), *samples.shape))
+        found = _at(function, mesh, facets, every)
         best = found.argmin(axis=1)
         values[facets], reference[facets] = found[np.arange(len(facets)), best], samples[best]
     promising = np.argsort(values, kind="stable")[:_PROMISING]
@@ -254,7 +298,7 @@ def lowest_points(mesh: FacetMesh, counts: AnyIntegers, function: PointFunction)
     for _ in range(rounds if len(promising) else 0):
         steps = around * width[:, None, None]
         places = _inside(mesh.shape, reference[promising, None] + steps)
-        found = _at(function, promising, places)
+        found = _at(function, mesh, promising, places)
         rows, best = np.arange(len(promising)), found.argmin(axis=1)
         better = found[rows, best] < values[promising]
         values[promising] = np.where(better, found[rows, best], values[promising])
@@ -264,11 +308,9 @@ def lowest_points(mesh: FacetMesh, counts: AnyIntegers, function: PointFunction)
     return LowestPoints(values, reference)
 
 
-def _at(function: PointFunction, facets: AnyIntegers, places: Array) -> Array:
+def _at(function: PointFunction, mesh: FacetMesh, facets: AnyIntegers, places: Array) -> Array:
     """Values at places (facets, samples, dimension − 1), (facets, samples)."""
-    count, samples, dimension = places.shape
-    found = function(np.repeat(facets, samples), places.reshape(-1, dimension))
-    return found.reshape(count, samples)
+    return function(FacetSamples(mesh, facets, places)).reshape(places.shape[:2])
 
 
 def _samples(shape: str, count: int) -> Array:
@@ -284,6 +326,6 @@ def _inside(shape: str, places: Array) -> Array:
     """Places moved into the reference cell, (..., dimension − 1)."""
     places = np.clip(places, 0.0, 1.0)
     if shape == "triangle":
-        beyond = np.maximum(places.sum(axis=-1, keepdims=True) - 1.0, 0.0)
-        places = np.clip(places - beyond / 2, 0.0, 1.0)
+        beyond = np.maximum(places[..., 0] + places[..., 1] - 1.0, 0.0)
+        places = np.clip(places - beyond[..., None] / 2, 0.0, 1.0)
     return np.asarray(places)
