@@ -197,7 +197,7 @@ class BodyDescription:
             dimension=scene.dimension,
             thickness=scene.thickness,
             degree=scene.discretisation.degree,
-            material=tuple(_elastic(each) for each in scene.material),
+            material=tuple(each.elastic for each in scene.material),
             held=tuple(HeldGroup(each.on, each.held(scene.dimension)) for each in scene.support),
             symmetry=scene.symmetry,
             outer=scene.half_space.on if scene.half_space else (),
@@ -251,18 +251,6 @@ class BodyDescription:
             return found
         one, another = ([each.extent for each in body.heated] for body in (self, other))
         return [name for name in found if name != "heated" or one != another]
-
-
-def _elastic(material: Material) -> Material:
-    """A material without what is no part of a stiffness."""
-    reference = material.reference_temperature if material.follows_temperature else 0.0
-    return dataclasses.replace(
-        material,
-        density=None,
-        thermal_expansion=None,
-        reference_temperature=reference,
-        conductivity=None,
-    )
 
 
 def temperatures_at(scene: Scene, time: float) -> tuple[tuple[Temperature, float], ...]:

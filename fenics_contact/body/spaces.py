@@ -215,6 +215,8 @@ class Spaces:
 
     def summed(self, nodal: Array) -> Array:
         """Contributions of all ranks added up at shared nodes, (nodes, columns); collective."""
+        if self.comm.size == 1:  # nothing is shared, and a vector would take longer than all else
+            return nodal.astype(np.float64)
         return summed_over_ranks(self.displacement_space.dofmap.index_map, nodal)
 
     def assemble(self, form: fem.Form) -> Array:

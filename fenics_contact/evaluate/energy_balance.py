@@ -347,7 +347,7 @@ def _sum(quantities: Mapping[str, Any], names: Sequence[str]) -> float:
 
 def _with_turns(motions: Array) -> Array:
     """Of each contact a motion, or a force, with an angle, or a moment, of 0 behind it."""
-    return np.pad(motions, ((0, 0), (0, 1)))
+    return np.column_stack([motions, np.zeros(len(motions))])
 
 
 def _work_at_edges(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -326,6 +327,17 @@ class Material:
         """Whether one of its moduli is a table of temperature."""
         moduli = (self.youngs_modulus, self.poissons_ratio)
         return any(isinstance(one, ModulusTable) for one in moduli)
+
+    @cached_property
+    def elastic(self) -> Material:
+        """The material without what is no part of a stiffness."""
+        return replace(
+            self,
+            density=None,
+            thermal_expansion=None,
+            reference_temperature=self.reference_temperature if self.follows_temperature else 0.0,
+            conductivity=None,
+        )
 
     @property
     def by_name(self) -> dict[str, Any]:

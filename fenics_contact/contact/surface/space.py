@@ -248,10 +248,14 @@ class SurfaceSpace:
 
     def summed(self, nodal: Array) -> Array:
         """Contributions of all ranks added up at shared nodes; collective."""
+        if self.comm.size == 1:
+            return nodal.astype(np.float64)
         return summed_over_ranks(self.space.dofmap.index_map, nodal)
 
     def of_owners(self, nodal: Array) -> Array:
         """Values at owned nodes, first axis nodes, at this rank's ghosts, too; collective."""
+        if self.comm.size == 1:
+            return nodal.astype(np.float64)
         return of_owners(self.space.dofmap.index_map, nodal)
 
     def on_body(self, nodal: Array) -> Array:

@@ -294,6 +294,8 @@ def times_to_judge(scene: CoreScene, first_only: bool) -> list[float]:
     """
     steps = load_steps_of(scene)
     ends = list(steps.all_times)
+    if len(ends) == 1 and not steps.automatic:
+        return ends
     turns = [knot for knot in knots(scene) if 0 < knot < steps.last]
     if steps.automatic:
         times = [] if first_only else [*turns, steps.last]

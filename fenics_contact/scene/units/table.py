@@ -224,12 +224,28 @@ def convert_texts(scene: Any, units: Units | None, per_unit_thickness: bool) -> 
     """
     if units is not None:
         _require_mm_of_step_files(scene, units)
+    if not _has_text(scene):
+        return
     conversion = _Conversion(units, per_unit_thickness)
     for name, dimension in dimensions(scene):
         value = getattr(scene, name)
         found = conversion.of(value, [name], dimension)
         if found is not value:
             object.__setattr__(scene, name, found)
+
+
+def _has_text(part: Any) -> bool:
+    """Whether a scene, or a part of it, has a text with a unit anywhere: mostly it has none."""
+    kind = type(part)
+    if kind in PLAIN:
+        return False
+    if kind is WithUnit:
+        return True
+    if isinstance(part, tuple):
+        return any(map(_has_text, part))
+    if isinstance(part, Mapping):
+        return any(map(_has_text, part.values()))
+    return hasattr(kind, "__pydantic_fields__") and any(map(_has_text, vars(part).values()))
 
 
 # Of each scene class: its keys, and what their numbers measure. To look that up takes longer than

@@ -217,7 +217,7 @@ class ExactSolver:
             assert operator.compliance is not None
             feet = len(free) - operator.rows
             self._local = LocalProblem(operator.compliance, free, laws, self._weights, scalars=feet)
-        self._local = self._local.with_laws(laws).with_free(free)
+        self._local = self._local.with_laws(laws, free)
         return self._local
 
     def _judged(self, answer: ExactForces) -> ExactForces:

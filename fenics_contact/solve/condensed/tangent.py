@@ -185,6 +185,8 @@ class UnknownsTangent:
 
     def magnitude_of_contacts(self, sizes: Array) -> float:
         """Σ |Qᵀ W Q| |y| over all rows, of sizes |y|."""
+        if not len(self._entries[0]):
+            return 0.0
         derived = np.abs(self.constant.derived)
         every = np.concatenate([sizes, derived @ sizes[: self.constant.count]])
         count = np.concatenate([np.ones(len(sizes)), derived.sum(axis=1)])

@@ -174,22 +174,27 @@ class LocalProblem:
         Args:
             free: q, (rows,) (length).
         """
-        return self._with(self.laws, free)
+        return self.with_laws(self.laws, free)
 
-    def with_laws(self, laws: PointLaws) -> LocalProblem:
+    def with_laws(self, laws: PointLaws, free: Array | None = None) -> LocalProblem:
         """Return the problem with other laws, such as another coefficient of friction.
 
-        What was derived from W is kept where neither the layers nor the metric are other arrays.
+        What was derived from W is kept where neither the layers nor the metric differ.
 
         Args:
             laws: At the same points.
+            free: q, (rows,) (length); by default the same.
         """
-        return self._with(laws, self.free)
-
-    def _with(self, laws: PointLaws, free: Array) -> LocalProblem:
-        found = replace(self, laws=laws, free=free)
+        found = replace(self, laws=laws, free=self.free if free is None else free)
         of_w = ("series_compliance", "metric")
-        if all(getattr(laws, name) is getattr(self.laws, name) for name in of_w):
-            kept = {name: self.__dict__[name] for name in ("scaling",) if name in self.__dict__}
-            found.__dict__.update(kept)
+        same = all(_are_equal(getattr(laws, name), getattr(self.laws, name)) for name in of_w)
+        if same and "scaling" in self.__dict__:
+            found.__dict__["scaling"] = self.scaling
         return found
+
+
+def _are_equal(one: Array | None, other: Array | None) -> bool:
+    """Whether two arrays, or their absence, are the same."""
+    if one is None or other is None:
+        return one is other
+    return np.array_equal(one, other)

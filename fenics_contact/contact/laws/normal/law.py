@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -209,7 +210,6 @@ class Penalty:
     Attributes:
         exists: Whether the law's stiffness is a penalty.
         softness: By which factor its stiffness is divided at present.
-        softness_in_ufl: The same for forms.
 
     Args:
         site: Where the law acts.
@@ -218,7 +218,12 @@ class Penalty:
 
     def __init__(self, site: LawSite, exists: bool) -> None:
         self.exists, self.softness = exists, 1.0
-        self.softness_in_ufl = fem.Constant(site.trace.surface.mesh, 1.0)
+        self._mesh = site.trace.surface.mesh
+
+    @cached_property
+    def softness_in_ufl(self) -> fem.Constant:
+        """``softness`` for forms, made when a form or a softer penalty needs it first."""
+        return fem.Constant(self._mesh, float(self.softness))
 
     def soften(self, factor: float) -> None:
         """Divide the stiffness by a factor, from now on, if it is a penalty.
