@@ -139,6 +139,7 @@ class Problem:
                     term.compiled()
         with timings.phase("assemble"):
             self._assemble_loads(by_points)
+            self._pressures = self._assemble_pressures()
             self.inertia = self._place_masses()
             self.set_time(scene.load_steps.all_times[-1])
         if discrete.cut is not None:
@@ -181,9 +182,12 @@ class Problem:
         for scalar in self.body_scalars:
             scalar.keep(None)
         self.reach(np.zeros(len(self.unknowns)))
+        before, self._pressures = self._pressures, self._assemble_pressures()
+        if before or self._pressures:
+            self._shares = None
         if loads_differ:
             self._find_loads()
-        self._assemble_loads(by_points=True)
+            self._assemble_loads(by_points=True)
         self.set_time(scene.load_steps.all_times[-1])
         return True
 
@@ -199,14 +203,13 @@ class Problem:
             one.take_loads([(load.acting.acceleration_at, load.path) for load in self.loads])
 
     def _assemble_loads(self, by_points: bool) -> None:
-        """Nodal forces of loads and of given pressures, with their paths; collective."""
+        """Nodal forces of loads, with their paths; collective."""
         units = self.discrete.found.setdefault("loads", {}) if by_points else None
         self._loads = [
             (one.nodal() if units is None else one.nodal_of_units(units), load.path)
             for load in self.loads
             for one in (load.acting,)
         ]
-        self._pressures = self._assemble_pressures()
         self._shares = None
 
     @cached_property

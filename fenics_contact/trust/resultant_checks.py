@@ -107,7 +107,8 @@ def _parts(forces: InternalForces) -> list[Check]:
     needed, load = (forces.unbalanced + forces.contacts)[nodes], forces.load[loaded]
     held = _held_axes(problem)
     resultants = parts.sums(needed, nodes) + parts.sums(load, loaded)
-    resultants += parts.sums(forces.across_cut[: spaces.owned_nodes])
+    if problem.discrete.cut is not None:
+        resultants += parts.sums(forces.across_cut[: spaces.owned_nodes])
     left = np.where(held, 0.0, resultants)
     carried = parts.sums(np.abs(needed).sum(axis=1), nodes)
     carried += parts.sums(np.abs(load).sum(axis=1), loaded)

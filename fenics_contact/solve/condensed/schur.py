@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
@@ -301,6 +301,11 @@ class GivenState:
     held: Array
     forces: Array
 
+    @cached_property
+    def acting(self) -> Integers:
+        """This rank's unknowns at which forces act: mostly few, those of surfaces."""
+        return np.flatnonzero(self.forces)
+
 
 class RowMaker:
     """Makes rows of a condensed body; collective.
@@ -375,7 +380,6 @@ class RowStack:
         """Value of each row; collective."""
         if not len(self._of_forces):
             return np.zeros(0)
-        acting = np.flatnonzero(state.forces)  # mostly few: those of surfaces
         own = self._of_held @ state.held
-        own -= self._of_forces[:, acting] @ state.forces[acting]
+        own -= self._of_forces[:, state.acting] @ state.forces[state.acting]
         return np.asarray(total(self._comm, own) + self.of_contacts @ state.contacts)
