@@ -11,6 +11,8 @@ from fenics_contact.common.parallel import gather_rows, raise_together, smallest
 from fenics_contact.contact.between_points import BetweenPoints, TooCoarseError
 from fenics_contact.contact.kinematics import ContactKinematics
 from fenics_contact.contact.mortar.facet_mesh import (
+    CLOSE,
+    CLOSEST,
     FacetSamples,
     PointFunction,
     lowest_points,
@@ -84,7 +86,7 @@ class ObstacleKinematics(ContactKinematics):
         comm = self._spaces.comm
         if total(comm, points.sum()) > 0:
             return
-        between = self._lowest(self._distance)
+        between = self._lowest(self._distance, CLOSEST)
         if total(comm, len(between.facets)) > 0:
             raise TooCoarseError(key, self.trace, between)
         raise InputError(
@@ -273,7 +275,8 @@ class ObstacleKinematics(ContactKinematics):
 
         As it stands before it is driven; depths of the latter are these distances, negative.
         """
-        return self.gap[self._ahead] / self.facing[self._ahead], self._lowest(self._distance)
+        lowest = self._lowest(self._distance, CLOSEST)
+        return self.gap[self._ahead] / self.facing[self._ahead], lowest
 
     def _distance(self, samples: FacetSamples) -> Array:
         """How far the obstacle is from places on facets, along its own way (length)."""
@@ -298,9 +301,9 @@ class ObstacleKinematics(ContactKinematics):
             closing = found[:, size : 2 * size] - self.brought_up * self.direction
             return np.asarray(gap - np.einsum("ij,ij->i", closing, normals))
 
-        return self._lowest(present_gap)
+        return self._lowest(present_gap, CLOSE)
 
-    def _lowest(self, gap: PointFunction) -> BetweenPoints:
+    def _lowest(self, gap: PointFunction, closest: float) -> BetweenPoints:
         """Where a gap is narrowest on each facet before the obstacle."""
         mesh = self.facets
         if self._counts is None:
@@ -308,7 +311,7 @@ class ObstacleKinematics(ContactKinematics):
             self._counts = self._obstacle.samples(in_3d(mesh.centres), mesh.radii, normals)
         idle = self.trace.at_all_nodes(self._left_out[: len(self.trace.nodes)])
         counts = np.where(idle[mesh.nodes].any(axis=1), 0, self._counts)
-        found = lowest_points(mesh, counts, gap)
+        found = lowest_points(mesh, counts, gap, closest)
         met = np.flatnonzero(np.isfinite(found.values))
         return BetweenPoints(
             depth=-found.values[met] - mesh.sagittas[met],

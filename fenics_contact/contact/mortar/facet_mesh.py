@@ -208,8 +208,10 @@ _PROMISING = 64
 # Samples between two neighbours of the best one, in each direction, by the dimension of facets.
 # Few rounds of many samples take less along a line, many rounds of few in a face.
 _CLOSER = {1: 8, 2: 2}
-# How close samples come together at last, over the distance of the first ones.
-_CLOSEST = 2.0**-16
+#: How close samples come together at last, over the distance of the first ones: for a place.
+CLOSEST = 2.0**-16
+#: The same for a depth alone: a smooth one is then off by 1e-5 of what it differs by between these.
+CLOSE = 2.0**-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,13 +273,16 @@ class LowestPoints:
     reference: Array
 
 
-def lowest_points(mesh: FacetMesh, counts: AnyIntegers, function: PointFunction) -> LowestPoints:
+def lowest_points(
+    mesh: FacetMesh, counts: AnyIntegers, function: PointFunction, closest: float
+) -> LowestPoints:
     """Find the lowest point of each facet.
 
     Args:
         mesh: The surface.
         counts: Samples along a facet's side, (facets,); of none nothing is looked at.
         function: What is to be least.
+        closest: How close samples come together at last, over the distance of the first ones.
     """
     middle = reference_nodes(mesh.shape, 1).mean(axis=0)
     values = np.full(len(counts), np.inf)
@@ -294,7 +299,7 @@ def lowest_points(mesh: FacetMesh, counts: AnyIntegers, function: PointFunction)
     closer = _CLOSER[dimension]
     along = np.linspace(-1.0, 1.0, 2 * closer + 1)
     around = np.stack(np.meshgrid(*[along] * dimension), axis=-1).reshape(-1, dimension)
-    rounds = round(np.log(1 / _CLOSEST) / np.log(closer))
+    rounds = round(np.log(1 / closest) / np.log(closer))
     for _ in range(rounds if len(promising) else 0):
         steps = around * width[:, None, None]
         places = _inside(mesh.shape, reference[promising, None] + steps)
