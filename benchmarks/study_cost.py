@@ -4,10 +4,12 @@
 
 Each case asks a study for quick answers (``Study.quantities``) at values that differ by a per cent
 each time, with and without checks, and at values of which each is begun anew; and for whole ones
-(``Study.solve``), with fields and all checks. Without ``--quick``, a larger body in space, a
-thousand points of friction coefficient and load on 66,000 unknowns in the plane, and Hertz's force
-over a hundred indentations are added. Times are CPU time of one rank, the median of several; with
-``OMP_NUM_THREADS=1``, as ``./bootstrap`` sets it.
+(``Study.solve``), with fields and all checks. Some cases have contacts that are solved exactly.
+The page of ``explore`` is asked for answers as a slider asks, with the displacement of the body.
+Without ``--quick``, a larger body in space, a thousand points of friction coefficient and load on
+66,000 unknowns in the plane, and Hertz's force over a hundred indentations are added. Times are
+CPU time of one rank, the median of several; with ``OMP_NUM_THREADS=1``, as ``./bootstrap`` sets
+it.
 """
 
 from __future__ import annotations
@@ -29,20 +31,24 @@ from rich.console import Console
 from rich.table import Table
 
 from fenics_contact import Body, Scene, SolverSettings, Study, load_scene
+from fenics_contact.explore.explorer import Explorer
 from fenics_contact.verification.memory_check import BlockCase, slab
 from fenics_contact.verification.memory_worker import body_of, scene_of
 
 DEMOS = Path(__file__).resolve().parent.parent / "demos"
 COMM = MPI.COMM_WORLD
 MU, DEPTH = "contact.0.friction_coefficient", "contact.0.obstacle.indentation"
-NO_BARS = "solver.errors=none"
+NO_BARS, EXACT = "solver.errors=none", "solver.strategy=exact"
 # Answers that are timed, after those that warm the caches up.
 ANSWERS, FIRST = 9, 2
 PER_CENT = 0.01
-# Of the issue: seconds of a further answer by dimension; a cold one may cost five times as much,
-# one with checks twice as much.
+# Seconds that were asked for: of a further answer by dimension; a cold one may cost five times as
+# much, one with checks twice as much. Where contacts are solved exactly: of a further answer, of a
+# cold one; one with checks may cost 1.5 times as much.
 LIMITS, COLD, CHECKED = {2: 0.005, 3: 0.06}, 5.0, 2.0
-POINTS, CHECKED_EVERY = 1000, 50
+EXACT_LIMITS, EXACT_COLD, EXACT_CHECKED = {2: 0.003, 3: 0.015}, 0.01, 1.5
+FRAMES_A_SECOND = 60
+POINTS, CHECKED_EVERY, SWEEP_LIMIT = 1000, 50, 8.0
 
 
 @dataclass(frozen=True)
@@ -69,9 +75,9 @@ def demo(name: str, *settings: str) -> Callable[[], tuple[Scene, Body | None]]:
     return lambda: (load_scene(DEMOS / f"{name}.toml", [NO_BARS, *settings]), None)
 
 
-def block(case: BlockCase) -> Callable[[], tuple[Scene, Body | None]]:
+def block(case: BlockCase, strategy: str = "auto") -> Callable[[], tuple[Scene, Body | None]]:
     """A block of the benchmark of costs."""
-    settings = SolverSettings(errors="none")
+    settings = SolverSettings(errors="none", strategy=strategy)
     return lambda: (replace(scene_of(case, "auto"), solver=settings), body_of(case, COMM))
 
 
@@ -83,6 +89,9 @@ QUICK = [
     Asked("slab, load", demo("slab"), "load.0.traction.0", -300.0),
     Asked("slab on springs, friction", demo("winkler"), MU, 0.6, follow=True),
     Asked("block in space, friction", block(slab("P1 tets", 24)), MU, 0.3),
+    Asked("sphere, exact, friction", demo("sphere", EXACT), MU, 0.6),
+    Asked("sphere, exact, indentation", demo("sphere", EXACT), DEPTH, 1.0),
+    Asked("block in space, exact, friction", block(slab("P1 tets", 24), "exact"), MU, 0.3),
 ]
 FULL = [
     Asked("sphere, fine, friction", demo("sphere", *FINE), MU, 0.6),
@@ -136,7 +145,11 @@ def measure(asked: Asked) -> dict[str, Any]:
     checked = median(partial(quick, checks=True), asked.value, PER_CENT)
     whole = median(lambda value: study.solve({asked.key: value}), asked.value, PER_CENT)
     contacts = study.run.problem.contacts if study.run is not None else []
-    limit = LIMITS[scene.dimension]
+    limit, cold_limit = LIMITS[scene.dimension], COLD * LIMITS[scene.dimension]
+    checked_limit = CHECKED * limit
+    if scene.is_exact:
+        limit, cold_limit = EXACT_LIMITS[scene.dimension], EXACT_COLD
+        checked_limit = EXACT_CHECKED * limit
     return {
         "case": asked.name,
         "dimension": scene.dimension,
@@ -150,15 +163,32 @@ def measure(asked: Asked) -> dict[str, Any]:
         "newton": statistics.median(newton),
         "whole_seconds": whole,
         "limit": limit,
-        "cold_limit": COLD * limit,
-        "checked_limit": CHECKED * limit,
+        "cold_limit": cold_limit,
+        "checked_limit": checked_limit,
         "factorisations": study.factorisations,
     }
 
 
-def thousand_points() -> dict[str, Any]:
+def explored(*settings: str) -> dict[str, Any]:
+    """Answers to a slider that moves an indentation, with the displacement of the body."""
+    scene, _ = demo("sphere", *settings)()
+    explorer = Explorer(Study(scene))
+
+    def ask(value: float) -> None:
+        *_, answer = explorer.follow({DEPTH: value})
+        assert answer.kind == "answer"
+
+    return {
+        "case": " ".join(("explore, indentation of the sphere", *settings)),
+        "dimension": 2,
+        "a_second": 1 / median(ask, 1.0, PER_CENT),
+        "least": FRAMES_A_SECOND,
+    }
+
+
+def thousand_points(*settings: str) -> dict[str, Any]:
     """A grid of friction coefficient and load, checked; every 50th with fields and all checks."""
-    scene, _ = demo("sphere", *FINE)()
+    scene, _ = demo("sphere", *FINE, *settings)()
     study, seconds, passed = Study(scene), [], True
     with timed(seconds):
         dofs = study.solve().model.dofs
@@ -170,11 +200,11 @@ def thousand_points() -> dict[str, Any]:
                 passed &= study.solve(changes).passed
             passed &= study.quantities(changes).passed
     return {
-        "case": f"{POINTS} points of friction and indentation",
+        "case": " ".join((f"{POINTS} points of friction and indentation", *settings)),
         "dimension": 2,
         "dofs": dofs,
         "seconds": seconds[0],
-        "limit": 20.0,
+        "limit": SWEEP_LIMIT,
         "passed": passed,
         "factorisations": study.factorisations,
     }
@@ -245,9 +275,9 @@ def main() -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
     options = parser.parse_args()
     rows = [measure(asked) for asked in (QUICK if options.quick else QUICK + FULL)]
-    rows.append(hertz(12 if options.quick else 100))
+    rows += [explored(), explored(EXACT), hertz(12 if options.quick else 100)]
     if not options.quick:
-        rows.append(thousand_points())
+        rows += [thousand_points(), thousand_points(EXACT)]
     print_table(rows)
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
