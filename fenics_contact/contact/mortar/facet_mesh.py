@@ -180,7 +180,7 @@ def reference_nodes(shape: str, degree: int) -> Array:
 
 def normalised(vectors: Array) -> Array:
     """Vectors of length 1, (vectors, dimension)."""
-    return vectors / np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, None]
+    return np.asarray(vectors / np.sqrt(np.einsum("ij,ij->i", vectors, vectors))[:, None])
 
 
 def _tabulate(shape: str, degree: int, reference: Array, order: int) -> Array:
