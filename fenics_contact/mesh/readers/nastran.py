@@ -24,76 +24,8 @@ from fenics_contact.mesh.readers.element_kinds import (
     shape_of,
 )
 from fenics_contact.mesh.readers.found_mesh import FileLines, FoundMesh, Line
-
-_EXPONENT = re.compile(r"(?<=[\d.])(?=[+-]\d+$)")
-_LARGEST = 2**53
-
-
-class Card:
-    """A card of the bulk data.
-
-    Attributes:
-        line: Its first line.
-        word: Its name, such as ``GRID``.
-        fields: What follows the name, as texts.
-
-    Args:
-        line: Its first line.
-    """
-
-    def __init__(self, line: Line) -> None:
-        self.line = line
-        first, self.fields = _fields(line.text)
-        self.word = first.rstrip("*").upper()
-
-    def goes_on(self, line: Line) -> bool:
-        """Whether a line continues the card; its fields are taken then."""
-        first, fields = _fields(line.text)
-        if first and first[0] not in "+*":
-            return False
-        self.fields += fields
-        return True
-
-    def whole(self, place: int) -> int:
-        """A field that holds a positive whole number.
-
-        Args:
-            place: Of the field, counted from 0 behind the name.
-        """
-        try:
-            value = int(self.fields[place])
-        except (IndexError, ValueError):
-            value = 0
-        if not 0 < value < _LARGEST:
-            raise self.line.error(
-                f"field {place + 2} of {self.word} must be a positive whole number"
-            )
-        return value
-
-    def real(self, place: int) -> float:
-        """A field that holds a number, such as 1.5-3; zero where it is blank.
-
-        Args:
-            place: Of the field, counted from 0 behind the name.
-        """
-        text = self.fields[place] if place < len(self.fields) else ""
-        try:
-            return float(_EXPONENT.sub("E", text.upper().replace("D", "E")) if text else 0.0)
-        except ValueError:
-            raise self.line.error(f"field {place + 2} of {self.word} must be a number") from None
-
-
-def _fields(text: str) -> tuple[str, list[str]]:
-    """The first field of a line, and those of data: 8 of them, or 4 wide ones."""
-    if "," in text:
-        first, *found = [word.strip() for word in text.split(",")]
-        most = 4 if first.endswith("*") else 8
-        return first, (found + most * [""])[:most]
-    text = text.expandtabs(8)
-    first = text[:8].strip()
-    width = 16 if first.endswith("*") or first.startswith("*") else 8
-    return first, [text[at : at + width].strip() for at in range(8, 72, width)]
-
+from fenics_contact.mesh.readers.nastran_cards import LARGEST, Card, cards
+from fenics_contact.mesh.readers.nastran_systems import GridPoints
 
 _FIRST, _WIDTH = 4, 4  # fields before the sides, and of each: its solid and three of its corners
 
@@ -188,7 +120,7 @@ def _listed(card: Card) -> list[range]:
             if words[place + 1 : place + 2] == ["BY"]:
                 step = (words[place + 2 : place + 3] or [""])[0]
                 place += 2
-        if not all(word.isdigit() and 0 < int(word) < _LARGEST for word in (first, last, step)):
+        if not all(word.isdigit() and 0 < int(word) < LARGEST for word in (first, last, step)):
             raise card.line.error(f"{card.word} wants numbers of elements, also as 1 THRU 9 BY 2")
         found.append(range(int(first), int(last) + 1, int(step)))
         place += 1
@@ -246,16 +178,16 @@ def read(job: dict[str, Any]) -> FoundMesh:
         job: With ``file``, its path; and ``key`` and ``name``, of the scene's mesh.
     """
     lines = FileLines(f"{job['key']}.file", job["name"], Path(job["file"]))
-    nodes: dict[int, tuple[float, ...]] = {}
+    points = GridPoints()
     elements: dict[int, list[list[int]]] = {}
     properties: dict[int, list[int]] = {}
     numbers: dict[int, list[int]] = {}
     taken: set[int] = set()
     contacts = ContactSurfaces()
-    for card in _cards(_bulk(lines)):
-        if card.word == "GRID":
-            _take_point(card, nodes)
-        elif card.word in _CARDS:
+    for card in cards(_bulk(lines)):
+        if points.take(card):
+            continue
+        if card.word in _CARDS:
             kind, found = _nodes(card)
             number = card.whole(0)
             if number in taken:
@@ -270,15 +202,13 @@ def read(job: dict[str, Any]) -> FoundMesh:
             raise card.line.error(
                 f"elements {card.word} are not read; there are: {', '.join(sorted(_CARDS))}"
             )
-        elif card.word == "GRDSET" and card.fields[1] not in ("", "0"):
-            raise _in_local_system(card, card.fields[1])
-    if not nodes or not elements:
+    if not points.numbers() or not elements:
         raise lines.error("has no grid points (GRID), or no elements (CTETRA, CHEXA, CQUAD4, …)")
     cells = {kind: as_gmsh(kind, np.array(found)) for kind, found in elements.items()}
     numbered = {kind: np.array(found) for kind, found in numbers.items()}
     return FoundMesh(
-        np.array(list(nodes), dtype=np.int64),
-        np.array(list(nodes.values()), dtype=np.float64),
+        np.array(points.numbers(), dtype=np.int64),
+        points.places(),
         cells,
         numbered,
         _sets(properties) | contacts.of_elements(numbered),
@@ -312,34 +242,6 @@ def _statements(lines: FileLines, found: Iterator[Line]) -> Iterator[Line]:
             yield from _statements(lines, lines.included(line, include[1].strip()))
         else:
             yield Line(text, line.file, line.number)
-
-
-def _cards(lines: Iterator[Line]) -> Iterator[Card]:
-    """Cards, each with the lines that continue it."""
-    card: Card | None = None
-    for line in lines:
-        if card is None or not card.goes_on(line):
-            if card is not None:
-                yield card
-            card = Card(line)
-    if card is not None:
-        yield card
-
-
-def _take_point(card: Card, nodes: dict[int, tuple[float, ...]]) -> None:
-    system = card.fields[1]
-    if system not in ("", "0"):
-        raise _in_local_system(card, system)
-    number, point = card.whole(0), (card.real(2), card.real(3), card.real(4))
-    if nodes.setdefault(number, point) != point:
-        raise card.line.error(f"defines the grid point {number} again, elsewhere")
-
-
-def _in_local_system(card: Card, system: str) -> Exception:
-    return card.line.error(
-        f"{card.word} gives points in the coordinate system {system[:20]}, which is not read; "
-        "write them in the basic system"
-    )
 
 
 def _nodes(card: Card) -> tuple[int, list[int]]:

@@ -100,7 +100,7 @@ def refusal(folder, capfd, name, dimension=2):
         (PLATE, "ENDDATA", "", "bdf_is_truncated"),
         (PLATE, "GRID", "GRIX", "bdf_node_not_defined"),
         (PLATE, "\nCQUAD4", "\nCQUADX", "bdf_elements_not_read"),
-        (PLATE, "GRID*   11              ", "GRID*   11              3", "bdf_in_a_system"),
+        (PLATE, f"GRID*   11{30 * ' '}", f"GRID*   11{14 * ' '}3{15 * ' '}", "bdf_in_a_system"),
         (PLATE, "\nGRID*   12 ", "\nGRID*   1x ", "bdf_number_is_a_word"),
         (PLATE, "0.000000000E+00", "0.0000X0000E+00", "bdf_coordinate_is_a_word"),
         (PLATE, "\nCQUAD4  102 ", "\nCQUAD4  101 ", "bdf_element_twice"),
