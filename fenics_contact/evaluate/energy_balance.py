@@ -199,12 +199,13 @@ class EnergyBalance:
         """
         if self._problem.elastic.follows_temperature:
             return [self._energy_of_moduli(forces)]
+        if not self._on_scalars:
+            return []
         before, last = self._place_before(self._before), self._on_scalars
         now = [one.forces_on_body for one in self._problem.body_scalars]
         self._on_scalars = now
         own, works, stress = slice(self._problem.spaces.owned_nodes), list[float](), self._stress
-        mixed = self._problem.elastic.mixed
-        self._stress = np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy()
+        self._stress = forces.solution.mean_stress
         squeezed = self._stress + (stress if len(stress) else 0.0)
         for old, new, state in zip(last, now, forces.solution.scalars, strict=True):
             if old is new:

@@ -464,9 +464,13 @@ class Problem:
 
     def scalar_states(self, displacement: Array) -> tuple[ScalarState, ...]:
         """States of the body's scalars in an answer, with its displacement; collective."""
-        mixed = self.elastic.mixed
-        mean_stress = np.zeros(0) if mixed is None else mixed.mean_stress.x.array
+        mean_stress = self.present_mean_stress()
         return tuple(one.state(displacement, mean_stress) for one in self.body_scalars)
+
+    def present_mean_stress(self) -> Array:
+        """Mean stress that its function has, at the dofs of this rank; else empty (stress)."""
+        mixed = self.elastic.mixed
+        return np.zeros(0) if mixed is None else np.array(mixed.mean_stress.x.array)
 
     @property
     def applied(self) -> Array:

@@ -356,4 +356,4 @@ def _unknowns(
     """The unknowns of a step by its name; a mean stress where there is one."""
     scalars = np.array(header[name]["scalars"], dtype=np.float64)
     mean_stress = mean_stresses.get(name, np.zeros(0))
-    return Unknowns(header[name]["time"], lambda: nodal[name], scalars, mean_stress)
+    return Unknowns(header[name]["time"], lambda: nodal[name], scalars, lambda: mean_stress)

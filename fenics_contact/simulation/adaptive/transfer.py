@@ -49,7 +49,8 @@ def transfer_state(old: Problem, new: Problem, unknowns: Unknowns) -> Unknowns:
     displacement = np.zeros_like(new.load)
     for part, one in enumerate(nearest):
         displacement[new.spaces.parts.of_node == part] = one.fitted()
-    return Unknowns(unknowns.time, lambda: displacement, unknowns.scalars, unknowns.mean_stress)
+    mean_stress = unknowns.mean_stress
+    return Unknowns(unknowns.time, lambda: displacement, unknowns.scalars, lambda: mean_stress)
 
 
 class _Nearest:

@@ -439,8 +439,8 @@ class CondensedSystem(System):
     def finish(self) -> FindBody:
         """Return a function that finds the displacement inside when first asked; collective.
 
-        At once where something follows it: contacts that exert no forces, a mean stress or
-        scalars of the body that are not given.
+        At once where something follows it: contacts that exert no forces, or scalars of the body
+        that are not given.
         """
         values = self._values(self.state)
         load = self._loads.load.copy()
@@ -450,7 +450,7 @@ class CondensedSystem(System):
         values_of = [one.value for one in self.problem.body_scalars]
         scalars = list(zip(values_of, self.body.scalars.nodal, strict=True))
         find = LazyDisplacement(partial(self._expanded, load, at_contacts, scalars))
-        if self.problem.elastic.mixed is not None or not self._are_given:
+        if not self._are_given:
             find()
         if None in self._contacts.jumps:
             others = [
@@ -501,6 +501,7 @@ class CondensedSystem(System):
             self.problem.displacement.x.array.reshape(-1, components).copy(),
             internal,
             self.stiffness.round_off(found),
+            self.problem.present_mean_stress(),
         )
 
 

@@ -109,7 +109,8 @@ class Unknowns:
         find_displacement: Gives that at the body's nodes of this rank, (nodes, components)
             (length); collective.
         scalars: Values of the scalar unknowns.
-        mean_stress: Of nearly incompressible bodies, at the dofs of this rank; else empty (stress).
+        find_mean_stress: Gives that of nearly incompressible bodies, at the dofs of this rank; else
+            an empty array (stress); collective.
         position: Displacements as ``System.position`` gives them (length); None where another
             system found the state.
     """
@@ -117,13 +118,18 @@ class Unknowns:
     time: float
     find_displacement: Callable[[], Array]
     scalars: Array
-    mean_stress: Array
+    find_mean_stress: Callable[[], Array]
     position: Array | None = None
 
     @property
     def displacement(self) -> Array:
         """At the body's nodes of this rank, (nodes, components) (length); collective."""
         return self.find_displacement()
+
+    @property
+    def mean_stress(self) -> Array:
+        """At the dofs of this rank; empty of bodies that have none (stress); collective."""
+        return self.find_mean_stress()
 
     def position_in(self, system: System) -> Array:
         """Where a system begins at them; collective."""
@@ -145,7 +151,7 @@ class Unknowns:
             time,
             lambda: extrapolated(self.displacement, later.displacement),
             extrapolated(self.scalars, later.scalars),
-            extrapolated(self.mean_stress, later.mean_stress),
+            lambda: extrapolated(self.mean_stress, later.mean_stress),
             position,
         )
 

@@ -279,13 +279,12 @@ class LoadSteps(StepTries):
 
     def _accept(self, time: float, found: Solution) -> None:
         problem, system = self.problem, self.newton.system
-        mixed = problem.elastic.mixed
         self.last = AcceptedStep(
             unknowns=Unknowns(
                 time,
                 lambda: found.displacement,
                 system.scalar_values(system.state),
-                np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy(),
+                lambda: found.mean_stress,
                 system.position(),
             ),
             contacts=[remember(contact) for contact in problem.contacts],

@@ -276,12 +276,12 @@ class StepTries(StepRollback):
 
     def _present(self, time: float) -> Unknowns:
         """Unknowns as a step has just found them; collective."""
-        system, mixed = self.newton.system, self.problem.elastic.mixed
+        system, mean_stress = self.newton.system, self.problem.present_mean_stress()
         return Unknowns(
             time,
             lambda: self.problem.displacement.x.array.reshape(self.problem.load.shape),
             system.scalar_values(system.state),
-            np.zeros(0) if mixed is None else mixed.mean_stress.x.array.copy(),
+            lambda: mean_stress,
             system.position(),
         )
 

@@ -168,7 +168,11 @@ class BodySystem(System):
         internal.x.array[: self._owned_size] = self._work.array_r[: self._owned_size]
         internal.x.scatter_forward()
         forces = internal.x.array.reshape(-1, spaces.components).copy()
-        found = BodyAnswer(self._nodal_displacement().copy(), forces)
+        found = BodyAnswer(
+            self._nodal_displacement().copy(),
+            forces,
+            mean_stress=self.problem.present_mean_stress(),
+        )
         return lambda: found
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from fenics_contact.common.arrays import Array
 from fenics_contact.contact.state import ContactState
@@ -20,11 +22,13 @@ class BodyAnswer:
         internal_force: K u, from the bulk alone (force).
         round_off: Largest that round-off may leave of the balance inside the body; 0 where the
             imbalance has it already (force).
+        mean_stress: At its dofs of this rank, of nearly incompressible bodies; else empty (stress).
     """
 
     displacement: Array
     internal_force: Array
     round_off: float = 0.0
+    mean_stress: Array = field(default_factory=lambda: np.zeros(0))
 
 
 # Gives it; collective.
@@ -104,6 +108,11 @@ class Solution:
     def internal_force(self) -> Array:
         """Forces K u, from the bulk alone (force); collective."""
         return self.find_body().internal_force
+
+    @property
+    def mean_stress(self) -> Array:
+        """Mean stress of nearly incompressible bodies; else empty (stress); collective."""
+        return self.find_body().mean_stress
 
     @property
     def work_on_scalars(self) -> float:

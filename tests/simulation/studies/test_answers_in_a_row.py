@@ -2,15 +2,18 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 from mpi4py import MPI
 
 from fenics_contact import Steps, Study
 from fenics_contact.problem import problem
+from fenics_contact.solve.condensed.schur import CondensedBulk
 from tests.messages import refused
 from tests.scenes import box_body, with_solver
 from tests.simulation.studies.cases import (
     BALL,
+    CASES,
     DEPTH,
     FORCE,
     MU,
@@ -64,6 +67,25 @@ def test_answers_in_a_row_are_those_of_separate_runs(name, monkeypatch):
             found = study.quantities(changes)
         require_same_answer(found, apart.solve(changes))
     assert len(made) == 1
+
+
+@pytest.mark.parametrize(("strategy", "given"), [("auto", 1e-6), ("exact", "auto")])
+def test_nothing_is_found_inside_a_nearly_incompressible_body(strategy, given, monkeypatch):
+    """Its mean stress is an unknown inside of it, and contacts and supports tell all numbers."""
+    scene, make, every = CASES["nearly incompressible"]
+    scene = of_contact(scene, law="incremental", regularisation_parameter=given)
+    scene = with_solver(dataclasses.replace(scene, steps=Steps(number=3)), strategy=strategy)
+    study = Study(scene, COMM, make())
+    study.quantities()
+    with monkeypatch.context() as patched:
+        patched.delattr(CondensedBulk, "expand")
+        found = study.quantities(every[0])
+    assert found.converged
+    whole = Study(scene, COMM, make())
+    require_same_answer(found, whole.solve(every[0]))
+    assert whole.run is not None
+    apart = whole.run.solution.displacement
+    assert study.displacement() == pytest.approx(apart, abs=1e-9 * np.abs(apart).max())
 
 
 def test_a_row_goes_on_after_an_answer_that_there_is_not():
