@@ -93,9 +93,15 @@ class CondensedForces(InternalForces):
 
         And what each of these and of the body's scalars does to the free contact dofs, (…, dofs).
         """
-        given = self._body.rows.given
-        shares = given.shares(self._rows.given([self._load], [self._prescribed, *self._columns]))
+        given, (shares, _) = self._body.rows.given, self._shares
         return given.values(shares, self._state), given.of_contacts(shares)
+
+    @cached_property
+    def _shares(self) -> tuple[Array, int]:
+        """Shares of the kept rows in what is given, and how often rows were forgotten before."""
+        given = self._body.rows.given
+        held = [self._prescribed, *self._columns]
+        return given.shares(self._rows.given([self._load], held)), given.forgotten
 
     @cached_property
     def unbalanced(self) -> Array:
@@ -200,11 +206,17 @@ class CondensedForces(InternalForces):
         if before is None:
             return 0.5 * float(works[0]), 0.5 * (self.given_work - float(works[0]))
         assert isinstance(before, CondensedForces)
+        loads = supports = 0.0
+        for one, sign in ((self, 1.0), (before, -1.0)):
+            now, then = one._works_in(self), one._works_in(before)
+            moved = sign * np.array([1.0, *one._moving])
+            loads += 0.5 * float(now[0] - then[0])
+            supports += 0.5 * float(moved @ (now + then)[1 : 1 + len(moved)])
+        return loads, supports
+
+    def _works_in(self, other: CondensedForces) -> Array:
+        """Works of what is given here on another answer: loads, supports, scalars; collective."""
         given = self._body.rows.given
-        held = [self._prescribed, *self._columns, before._prescribed, *before._columns]
-        shares = given.shares(self._rows.given([self._load, before._load], held))
-        now, then = (given.values(shares, one._state) for one in (self, before))
-        loads = 0.5 * float((now - then)[:2].sum())
-        own, others = (np.array([1.0, *one._moving]) for one in (self, before))
-        moved = np.concatenate([own, -others])
-        return loads, 0.5 * float(moved @ (now + then)[2 : 2 + len(moved)])
+        if self._shares[1] != given.forgotten:
+            del self._shares
+        return given.values(self._shares[0], other._state)

@@ -63,12 +63,16 @@ class GivenRows:
 
     Those of a path, or of a value that is changed, are combinations of a few.
 
+    Attributes:
+        forgotten: How often all rows were forgotten, so that earlier shares say nothing any more.
+
     Args:
         maker: Makes them.
     """
 
     def __init__(self, maker: RowMaker) -> None:
         self._maker = maker
+        self.forgotten = 0
         self._known: list[tuple[Functional, Row]] = []
         self._stack: RowStack | None = None
         self._last: list[tuple[Functional, Array]] = []
@@ -91,6 +95,7 @@ class GivenRows:
         """
         if len(self._known) + len(wanted) > _MOST_GIVEN:
             self._known, self._stack, self._last = [], None, []
+            self.forgotten += 1
         found = []
         for number, of in enumerate(wanted):
             shares = self._last_shares(number, of)
@@ -121,10 +126,10 @@ class GivenRows:
         """Values of functionals in a state, (functionals,); collective.
 
         Args:
-            shares: As ``shares`` gave them, no other asked for since.
+            shares: As ``shares`` gave them; none were forgotten since.
             state: Of an answer.
         """
-        return np.asarray(shares @ self._stacked.values(state))
+        return np.asarray(shares @ self._stacked.values(state)[: shares.shape[1]])
 
     @property
     def _stacked(self) -> RowStack:
@@ -140,7 +145,7 @@ class GivenRows:
         Args:
             shares: As of ``values``.
         """
-        return np.asarray(shares @ self._stacked.of_contacts)
+        return np.asarray(shares @ self._stacked.of_contacts[: shares.shape[1]])
 
     def _last_shares(self, number: int, of: Functional) -> Array | None:
         """Value of a functional that was asked for last in the same place; collective."""
