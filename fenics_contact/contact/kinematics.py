@@ -381,7 +381,10 @@ class ContactKinematics(ABC):
     @property
     def motion_at_points(self) -> Array:
         """How far the obstacle has moved at the contact points, (points, components) (length)."""
-        return self.field(self.motion) + self.trace.at_points(self.beyond_shape)
+        found = self.field(self.motion)
+        if self.angle == self.shape_angle:
+            return found
+        return found + self.trace.at_points(self.beyond_shape)
 
     @property
     def motion_at_nodes(self) -> Array:

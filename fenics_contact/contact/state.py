@@ -167,7 +167,7 @@ class LastStep:
     def at_points(self) -> dict[str, Array]:
         """Numbers at the points, (points,) or (points, components), to be given to ``restore``."""
         last = {name: getattr(self.state, name) for name in self._names}
-        code = np.select([last["status"] == kind for kind in _KINDS], range(len(_KINDS)))
+        code = np.argmax([last["status"] == kind for kind in _KINDS], axis=0)
         return last | {"status": code.astype(np.float64), "obstacle_gap": self.gap}
 
     def restore(

@@ -201,7 +201,7 @@ def _rows(number: int, problem: Problem, solution: Solution) -> Array:
     """Owned points of one contact as numbers, in the order of ``contact_points``."""
     trace = problem.contacts[number].trace
     state = solution.states[number]
-    status = np.select([state.status == OPEN, state.status == STICK], [0.0, 1.0], 2.0)
+    status = np.where(state.status == OPEN, 0.0, np.where(state.status == STICK, 1.0, 2.0))
     none = np.full(len(status), np.nan)
     own = [
         state.own.get(array.name, np.stack([none] * len(array.columns), axis=1))
