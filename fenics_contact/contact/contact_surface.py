@@ -37,8 +37,6 @@ from fenics_contact.scene.values import differing
 # Keys of a contact, and of its obstacle, of which nothing is made but laws and paths.
 _VALUES = {"friction_coefficient", "pressure", "interference", "obstacle"}
 _DRIVES = {"indentation", "displacement", "force"}
-# Of the lengths that a gap is a difference of.
-_ROUND_OFF = 1e-12
 
 
 class ContactSurface:
@@ -524,7 +522,7 @@ class ContactSurface:
         gap, kinematics = 0.0 - self.normal.depth(jump), self.kinematics
         lengths = np.linalg.norm(jump, axis=1) + np.linalg.norm(kinematics.motion_at_points, axis=1)
         lengths += np.where(kinematics.reached, np.abs(kinematics.gap), 0.0) + self.sides.facet_size
-        return np.where(closed & (np.abs(gap) <= _ROUND_OFF * lengths), 0.0, gap)
+        return np.where(closed & (np.abs(gap) <= kinematics.gap_left * lengths), 0.0, gap)
 
     def _own(self, state: ContactState) -> dict[str, Array]:
         """The laws' own arrays at the end of the present step, by name."""

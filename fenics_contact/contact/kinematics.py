@@ -50,6 +50,7 @@ class ContactKinematics(ABC):
             it (radian).
         shape_field: By how much the gap to its shape widens as the obstacle turns beyond that
             angle, along the normals at all nodes, (nodes, components) (length over radian).
+        gap_left: What is left of gaps of closed points, of the lengths they are differences of.
         faces_body: Whether a deformable surface stands opposite, not a rigid obstacle.
         pairing: The deformable body opposite, None against an obstacle.
         axis: The obstacle's own, ``direction``; None where it has none but the surface's.
@@ -59,6 +60,7 @@ class ContactKinematics(ABC):
     """
 
     faces_body: ClassVar[bool] = False
+    gap_left: ClassVar[float] = 1e-12
     state: ClassVar[tuple[PointArray, ...]] = ()
     pairing: Pairing | None = None
     axis: Array | None = None

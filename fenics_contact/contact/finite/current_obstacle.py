@@ -23,12 +23,16 @@ from dolfinx.fem import Function
 from fenics_contact.analytic.obstacle_shapes import Nearest, Sizes, turned
 from fenics_contact.common.arrays import Array, Flags, in_3d
 from fenics_contact.common.errors import InputError
-from fenics_contact.contact.between_points import BetweenPoints, nowhere
+from fenics_contact.contact.between_points import BetweenPoints
 from fenics_contact.contact.kinematics import ContactKinematics
+from fenics_contact.contact.mortar.facet_mesh import CLOSE, FacetSamples, lowest_points
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.contact.turning import Turning
 from fenics_contact.results.contact_points import CURRENT_PLACE, PointArray
 from fenics_contact.scene.obstacle import Obstacle
+
+# Of a facet's side, between whose points it is looked for places in an obstacle.
+_SAMPLES = 8
 
 
 class CurrentObstacle(ContactKinematics):
@@ -45,6 +49,7 @@ class CurrentObstacle(ContactKinematics):
         slip_rate: How fast slip grows there by the way of a point along the obstacle, (points,).
     """
 
+    gap_left: ClassVar[float] = 1e-9
     state: ClassVar[tuple[PointArray, ...]] = (CURRENT_PLACE,)
 
     def __init__(self, trace: Trace, obstacle: Obstacle) -> None:
@@ -190,8 +195,26 @@ class CurrentObstacle(ContactKinematics):
         """Any surface will do, also with edges: normals are those of the obstacle."""
 
     def between_points(self, displacement: Array) -> BetweenPoints:
-        """No places: what lies between the points is not looked at."""
-        return nowhere(2)
+        """Where facets are deepest in the obstacle now, between their points; collective.
+
+        Args:
+            displacement: At the body's nodes of this rank, (nodes, 2) (length).
+        """
+        mesh, moved = self.facets, displacement[self.trace.all_nodes]
+
+        def distance(samples: FacetSamples) -> Array:
+            return self._nearest(samples.positions[:, :2] + samples.interpolate(moved)).distance
+
+        idle = self.trace.at_all_nodes(self._left_out)[mesh.nodes].any(axis=1)
+        found = lowest_points(mesh, np.where(idle, 0, _SAMPLES), distance, CLOSE)
+        met = np.flatnonzero(np.isfinite(found.values))
+        return BetweenPoints(
+            depth=-found.values[met],
+            places=in_3d(mesh.positions(met, found.reference[met])),
+            facets=met,
+            reference=found.reference[met],
+            spacing=mesh.spacing[met],
+        )
 
     def leave_out(self, points: Flags) -> None:
         """Take points out of the obstacle's reach."""

@@ -35,8 +35,6 @@ logger = logging.getLogger(__name__)
 _MOST = 30
 # Of |S| |δ|, what round-off may leave.
 _ROUNDING = 20 * float(np.finfo(float).eps)
-# Of the shortest edge of the cells: gaps and slips that a pass leaves where laws have none.
-_LENGTHS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +169,7 @@ class ContactPasses:
             left = schur @ change - forces - at.rows.T @ self._rows
             gaps, slips = np.abs(at.openings.reshape(-1, 2).T)
             edges = [np.full(one.count, one.contact.facet_size) for one in at.points]
-            small = _LENGTHS * np.concatenate([np.zeros(0), *edges])
+            small = CurrentObstacle.gap_left * np.concatenate([np.zeros(0), *edges])
             open_laws = (self._closed & (gaps > small)) | (self._sticks & (slips > small))
             entered = ~self._closed & (at.openings[::2] < -small)
             limit = share * (np.abs(self._rows).sum() + np.abs(forces).sum())

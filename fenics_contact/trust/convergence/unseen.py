@@ -228,7 +228,8 @@ def governed_by_depth(load_steps: LoadSteps) -> dict[int, Check]:
     shares = {one.number: one.governing for one in sunk}
     govern = [one for one in sunk if one.governing > LARGEST_UNSEEN]
     shares.update({one.number: 1.0 for one in govern})
-    known = [one for one in govern if one.is_beside and not problem.inertia.moves]
+    moves = problem.inertia.moves or not problem.elastic.is_linear  # neither solves it again
+    known = [one for one in govern if one.is_beside and not moves]
     again = Again.of_last_step(load_steps, _forces_of(problem))
     changes = _narrowed(load_steps, again, known) if known else None
     if changes is not None:

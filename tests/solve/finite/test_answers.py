@@ -5,12 +5,22 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fenics_contact import ObstacleRotation, Path, Run, SolverSettings, run
+from fenics_contact import (
+    Contact,
+    Obstacle,
+    ObstacleRotation,
+    Path,
+    Run,
+    Scene,
+    SolverSettings,
+    Support,
+    run,
+)
 from fenics_contact.analytic.finite_strains import lubricated_block
 from fenics_contact.scene.laws import energies
 from fenics_contact.solve.finite import nested_solver
 from fenics_contact.verification.finite.rubber import CONSTANTS
-from tests.solve.finite.rubber import NO_ERRORS, dragged, long_block, pressed, square
+from tests.solve.finite.rubber import NO_ERRORS, RUBBER, dragged, long_block, pressed, square
 
 
 @pytest.mark.parametrize("law", energies.names())
@@ -147,3 +157,33 @@ def test_errors_are_said_to_be_unknown():
     assert found.errors["normal_force"]["mesh"] is None
     assert "finite strains" in found.error_notes[0]
     assert run(pressed(0.1, solver=NO_ERRORS), body=square(2)).errors == {}
+
+
+def test_gaps_that_the_loops_leave_are_none():
+    """What they leave of the gap of a closed point is not said to be open."""
+    prepared = Run(pressed(0.2, 0.3), body=square())
+    prepared.solve()
+    (contact,) = prepared.problem.contacts
+    found = prepared.solution.displacement
+    contact.measure(found + np.array([0, 1e-11]))
+    assert not np.any(contact.state().gap[contact.found.closed])
+    contact.measure(found + np.array([0, 1e-8]))
+    assert np.all(contact.state().gap[contact.found.closed] > 0)
+
+
+def test_an_obstacle_between_two_points_is_noticed():
+    """Nothing pushes back, where it is small and no point is in it."""
+    small = Obstacle("cylinder", radius=0.1, position=(0.5625, 1), normal=(0, -1), indentation=0.02)
+    scene = Scene(
+        kinematics="plane strain",
+        strains="finite",
+        material=RUBBER,
+        support=(Support("y0", {"x": 0, "y": 0}),),
+        contact=(Contact("y1", obstacle=small),),
+        solver=NO_ERRORS,
+    )
+    coarse = run(scene, body=square())
+    check = coarse.checks["unseen_contact"]
+    assert check.value == pytest.approx(1) and check.place[0] == pytest.approx(0.5625)
+    assert coarse.exit_code == 4
+    assert run(scene, body=square(32)).checks["unseen_contact"].passed
