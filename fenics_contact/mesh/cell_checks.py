@@ -59,7 +59,8 @@ class FileCells:
         in_order = np.sort(self.nodes, axis=1)
         collapsed = (in_order[:, 1:] == in_order[:, :-1]).any(axis=1)
         if collapsed.any():
-            raise self._refusal(collapsed, "degenerate (the same node twice)", points)
+            what, advice = "degenerate (the same node twice)", "; mesh these places again"
+            raise self._refusal(collapsed, what, points, advice)
 
     def check_once(self, keys: NDArray[np.uint64], may_be_in_several: bool) -> None:
         """No cell twice: its stiffness would count twice, and its sides would lie inside.

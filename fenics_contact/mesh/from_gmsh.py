@@ -119,7 +119,9 @@ def build(
     """
     where = f"{key}.file = '{source.file}'"
     check_dimension(where, description, dimension)
-    read, description, notes = uniform(where, read, description, dimension, form)
+    notes = list(description.get("changed", ()))
+    read, description, of_cells = uniform(where, read, description, dimension, form)
+    notes += of_cells
     parts = body_parts(description, dimension)
     kind, nodes, cell_parts, numbers = _cells(where, read, description, parts, dimension)
     cell, order = CELLS[kind]
@@ -156,7 +158,10 @@ def build(
         *(cell, order, points, cells, cell_tags, facets, facet_tags),
         *(groups, by_number, relations, sides, found.numbers),
         description.get("kinematics", {}),
-        (*notes, *left_out(read, description, dimension, _FACETS[cell][order], are_sides)),
+        (
+            *notes,
+            *left_out(read, description, dimension, _FACETS[cell][order], are_sides),
+        ),
         {name_of_side(number, groups): side for number, side in sides.items()}
         if facets is by_angle.facets
         else {},

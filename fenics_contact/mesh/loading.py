@@ -36,6 +36,7 @@ from fenics_contact.mesh.geometry.file_kinds import (
 from fenics_contact.mesh.joining import Cut, bolts_of, cuts_of
 from fenics_contact.mesh.neighbours import Finding, Neighbours
 from fenics_contact.mesh.size_field import SizeField
+from fenics_contact.mesh.subdivision.collapsed import without_collapsed
 from fenics_contact.mesh.subdivision.uniform import Form, common_form, form_of
 from fenics_contact.mesh.tagged_mesh import Body, Group
 from fenics_contact.scene.loading.conditions import Preload
@@ -278,7 +279,8 @@ def _read(
         job |= {"file": str(ready.path), "version": ready.version, "folder": folder}
         given = b"" if sizes is None else sizes.as_bytes()
         description, arrays = gmsh_call.call(ready, job, given, limits)
-    return description | {"is_cut": bool(cuts)}, arrays
+    read, said = without_collapsed(arrays, description)
+    return {**said, "is_cut": bool(cuts)}, dict(read)
 
 
 def _check_settings(key: str, source: MeshSource, file: MeshFile) -> None:

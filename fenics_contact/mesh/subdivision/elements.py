@@ -38,6 +38,10 @@ class Elements:
         rows = np.arange(len(self.nodes)) if parents is None else parents
         return Elements(nodes, self.parts[rows], self.numbers[rows], self.kinds[rows])
 
+    def chosen(self, rows: Integers) -> Elements:
+        """Some of the elements, by their places."""
+        return self.with_nodes(self.nodes[rows], rows)
+
 
 def joined(several: Sequence[Elements]) -> Elements:
     """Elements of one type, one after the other."""
