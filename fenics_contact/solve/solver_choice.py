@@ -63,9 +63,11 @@ _DENSE = {"condensed": 60.0, "full": 0.0, "iterative": 0.0}
 _ELIMINATED = {"condensed": 14.0, "full": 0.0, "iterative": 0.0}
 _COUPLED = {"condensed": 0.0, "full": 75.0, "iterative": 0.0}
 
-# Jumps from which S is not formed; with all bodies glued, its factor over those of the bodies, and
-# the zone at the contacts in bytes over jumps (measured).
-_MOST_JUMPS, _GLUED, _ZONE_AT_JUMPS = 10_000, 0.65, 20_000.0
+# Jumps from which S is not formed. Then all bodies glued have one factor, over those of the bodies,
+# copies of K beside it, and bytes over jumps of zones at contacts and of directions. Measured by
+# ``benchmarks/assemblies.py --large`` on 51,000 to 304,000 unknowns: runs take 1.05 to .94 of it.
+_MOST_JUMPS = 10_000
+_GLUED, _GLUED_COPIES, _AT_JUMPS = 0.63, 3.0, 60_000.0
 
 # Error bars: bytes for every dof of every cell, of the local problems (measured in space:
 # 470-700).
@@ -92,7 +94,7 @@ def memory_terms(problem: Problem, name: Name, is_kept: bool = False) -> dict[st
     is_glued = name == "condensed" and not is_kept and solves_glued(problem, near)
     between = _between_ranks(problem)
     dense = _DENSE[name] * acted_on**2 + _ELIMINATED[name] * ((every + between) ** 2 - acted_on**2)
-    dense = _ZONE_AT_JUMPS * acted_on if is_glued else dense
+    dense = _AT_JUMPS * acted_on if is_glued else dense
     terms = {
         "program": _PROGRAM * problem.comm.size,
         "mesh": _CELL * _cells(problem) + _UNKNOWN * count,
@@ -105,7 +107,7 @@ def memory_terms(problem: Problem, name: Name, is_kept: bool = False) -> dict[st
     if name == "iterative":
         return terms | {"multigrid": _MULTIGRID * matrix, "zone": _ZONE * contact}
     return terms | {
-        "matrix": _COPIES * matrix,
+        "matrix": (_GLUED_COPIES if is_glued else _COPIES) * matrix,
         "factor": (_GLUED if is_glued else 1.0) * 8 * _WORKSPACE * _factor_entries(problem, name),
     }
 
