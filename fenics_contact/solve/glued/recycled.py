@@ -110,8 +110,8 @@ def _independent(
     while len(used):
         taken = products[:, used] / sizes[used]
         orthonormal, upper = qr(taken, mode="economic", overwrite_a=True)
-        diagonal = np.abs(upper.diagonal())
-        new = diagonal > _NEARLY_SAME
+        new = np.zeros(len(used), dtype=bool)  # of more than there are unknowns the last are not
+        new[: len(upper)] = np.abs(upper.diagonal()) > _NEARLY_SAME
         if new.all():
             return columns[:, used] / sizes[used], orthonormal, upper
         used = used[new]

@@ -180,6 +180,10 @@ def test_directions_that_others_say_are_left_out():
     assert found == pytest.approx(0.5 * (first + 3 * second), abs=1e-12)
     assert recycled.solve(right, 1e-9, known, product, nearly_solved) == pytest.approx(0.5 * right)
     assert len(solves) == 1
+    for one in np.random.default_rng(7).normal(size=(6, 5)):  # more than there are unknowns
+        known.add(one)
+    other = recycled.solve(right[::-1], 1e-9, known, product, nearly_solved)
+    assert other == pytest.approx(0.5 * right[::-1])
 
 
 def test_a_search_along_a_step_takes_no_further_products(monkeypatch):
