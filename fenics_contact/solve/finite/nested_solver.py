@@ -124,7 +124,7 @@ class NestedSolver:
                 break
         raise NotConvergedError(
             f"the force imbalance is {history[-1]:.1e} of {self.forces:.3g} after {len(history)} "
-            "steps on the deformed body",
+            "steps on the deformed body: does it snap through, or fold in a corner?",
             tuple(history),
         )
 
