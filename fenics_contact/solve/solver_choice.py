@@ -65,7 +65,7 @@ _COUPLED = {"condensed": 0.0, "full": 75.0, "iterative": 0.0}
 
 # Jumps from which S is not formed. Then all bodies glued have one factor, over those of the bodies,
 # copies of K beside it, and bytes over jumps of zones at contacts and of directions. Measured by
-# ``benchmarks/assemblies.py --large`` on 51,000 to 304,000 unknowns: runs take 1.05 to .94 of it.
+# ``benchmarks/assemblies.py --large`` on 51,000 to 304,000 unknowns: it is .95 to 1.04 of that.
 _MOST_JUMPS = 10_000
 _GLUED, _GLUED_COPIES, _AT_JUMPS = 0.63, 3.0, 60_000.0
 
