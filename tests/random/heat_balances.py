@@ -71,7 +71,7 @@ class _Heat:
                 given += self._on(heat.on, heat.film.coefficient * (around - rise))
         self.outside = inside - given
         largest = max(float(np.ptp(self.comm.allgather(_ends(self.rise)))), self.most(self.rise))
-        least = min(one.conductivity for one in self.scene.material) * largest
+        least = max(one.conductivity for one in self.scene.material) * largest
         length = max(self.comm.allgather(np.ptp(self.spaces.coordinates, axis=0).max()))
         least *= length ** (self.scene.dimension - 2) * _NEGLIGIBLE
         self.scale = max(self.sum(np.abs(inside)) + self.sum(np.abs(given)), least)

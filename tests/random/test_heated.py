@@ -36,10 +36,13 @@ def test_it_balances_or_is_refused(number):
     assert not outcome.balance.faults, random
 
 
-# Number 15 has a pressure that falls steeply as more heat crosses.
-@pytest.mark.parametrize("number", [0, 1, 2, 3, 15])
-def test_heat_that_is_conducted_balances(number):
-    random = with_errors(draw_kind("conducting", SEED, number), "none")
+# The last but one has a pressure that falls steeply as more heat crosses, the last one pressures
+# that are round-off.
+@pytest.mark.parametrize(
+    ("seed", "number"), [(SEED, 0), (SEED, 1), (SEED, 2), (SEED, 3), (SEED, 15), (3051, 24)]
+)
+def test_heat_that_is_conducted_balances(seed, number):
+    random = with_errors(draw_kind("conducting", seed, number), "none")
     outcome = outcome_of(random)
     assert outcome.code == 0, f"{outcome.words}\n{random!r}"
     assert not outcome.balance.faults, random

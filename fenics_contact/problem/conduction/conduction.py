@@ -33,6 +33,8 @@ _MOST_SOLVES = 60
 # Where solves are not exact enough for that: after so many, a change below this one counts as none
 # that is not half of the least so far. The check ``heat_balance`` judges what is left.
 _STALLED, _NOISE = 10, 1e-5
+# Of the highest conductance at any pressure: where all are lower, pressures may be round-off.
+_BARELY = 1e-5
 _NEGLIGIBLE = 1e-9  # of heat that would flow without a balance: below that none flows
 
 
@@ -223,7 +225,8 @@ class Conduction:
         ]
         every = np.concatenate([np.zeros(0), *(after for _, after in rows)])
         changes = np.concatenate([np.zeros(0), *(after - before for before, after in rows)])
-        size = largest(self._comm, every)
+        least = _BARELY * max((one.highest for one in self.contacts), default=0.0)
+        size = max(largest(self._comm, every), least)
         change = largest(self._comm, np.abs(changes))
         return change / size if size > 0 else float(change > 0)
 

@@ -160,6 +160,12 @@ class HeatOfContact:
         return isinstance(given, Conductance) and max(given.values) > min(given.values)
 
     @property
+    def highest(self) -> float:
+        """Its highest conductance at any pressure (power/area/temperature)."""
+        given = self.contact.contact.conductance
+        return max(given.values) if isinstance(given, Conductance) else float(given or 0.0)
+
+    @property
     def highest_pressure(self) -> float:
         """The highest pressure of which its conductance says anything; 0 of a number (stress)."""
         given = self.contact.contact.conductance
