@@ -106,7 +106,7 @@ def _independent(
     columns, bulk = directions.of_size(size)
     products = product(columns, bulk)
     sizes = np.linalg.norm(products, axis=0)
-    used = np.flatnonzero(sizes > 0)
+    used = np.flatnonzero((sizes > 0) & (sizes < np.inf))  # what is not a number is neither
     while len(used):
         taken = products[:, used] / sizes[used]
         orthonormal, upper = qr(taken, mode="economic", overwrite_a=True)

@@ -184,6 +184,10 @@ def test_directions_that_others_say_are_left_out():
         known.add(one)
     other = recycled.solve(right[::-1], 1e-9, known, product, nearly_solved)
     assert other == pytest.approx(0.5 * right[::-1])
+    with np.errstate(all="ignore"):
+        known.add(np.full(5, 1e308) * 10)  # not finite
+        last = recycled.solve(right, 1e-9, known, product, nearly_solved)
+    assert last == pytest.approx(0.5 * right)
 
 
 def test_a_search_along_a_step_takes_no_further_products(monkeypatch):
