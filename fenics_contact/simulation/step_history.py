@@ -146,6 +146,7 @@ class StepHistory(Generic[_Forces]):
                 loads=self._loads(),
                 linear_range={what: Largest(**row) for what, row in sizes.items()},
                 cycle=solution.cycle,
+                unstable_motions=solution.unstable_motions or None,
             )
         )
 

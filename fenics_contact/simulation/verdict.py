@@ -68,6 +68,7 @@ def remarks(
         lambda: without_friction(problem),
         lambda: facets_too_straight(problem, solution),
         lambda: slid_far(steps),
+        lambda: was_unstable(steps[:-1]),
         lambda: beyond_linear_theory(steps),
         lambda: coarse_path(open_share),
         lambda: loop_expands(solution),
@@ -275,6 +276,19 @@ def slid_far(steps: list[StepRecord]) -> str:
     return (
         f" Bodies slid far within a load step, over the contact's size at {' and '.join(far)}: "
         "pressures may be off by as much; take more load steps."
+    )
+
+
+def was_unstable(steps: list[StepRecord]) -> str:
+    """A sentence on load steps on the way whose equilibrium is not stable, or nothing."""
+    found = [step.load_factor for step in steps if step.unstable_motions]
+    if not found:
+        return ""
+    first, last = found[0], found[-1]
+    when = f"At time {first:g}" if first == last else f"From time {first:g} to {last:g}"
+    return (
+        f" {when} the equilibrium was not stable: the body would have left it by itself, and what "
+        "came after may be the end of another way; disturb it a little, and follow it again."
     )
 
 

@@ -168,9 +168,13 @@ class StepRecord(Record):
         linear_range: What linear theory takes to be small → its largest value: `strain`,
             `rotation`, `turned` and others.
         cycle: What the cycle of loads that ends with it has brought, if one does.
+        unstable_motions: In finite strains, how many motions would grow by themselves at its end,
+            if any.
     """
 
-    LEFT_OUT: ClassVar[frozenset[str]] = frozenset({"preloads", "loads", "cycle"})
+    LEFT_OUT: ClassVar[frozenset[str]] = frozenset(
+        {"preloads", "loads", "cycle", "unstable_motions"}
+    )
     _OF_ANSWERS: ClassVar[frozenset[str]] = frozenset(
         {"outer_contraction", "imbalance_limit", "contacts", "supports", "linear_range"}
     )
@@ -189,6 +193,7 @@ class StepRecord(Record):
     loads: list[LoadRecord] = field(default_factory=list)
     linear_range: Mapping[str, Largest] = field(default_factory=dict)
     cycle: CycleEnd | None = None
+    unstable_motions: int | None = None
 
     @property
     def imbalances(self) -> list[float]:

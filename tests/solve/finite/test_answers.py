@@ -13,6 +13,7 @@ from fenics_contact import (
     Run,
     Scene,
     SolverSettings,
+    Steps,
     Support,
     run,
 )
@@ -20,6 +21,7 @@ from fenics_contact.analytic.finite_strains import lubricated_block
 from fenics_contact.scene.laws import energies
 from fenics_contact.solve.finite import nested_solver
 from fenics_contact.verification.finite.rubber import CONSTANTS
+from tests.scenes import box_body
 from tests.solve.finite.rubber import NO_ERRORS, RUBBER, dragged, long_block, pressed, square
 
 
@@ -187,3 +189,28 @@ def test_an_obstacle_between_two_points_is_noticed():
     assert check.value == pytest.approx(1) and check.place[0] == pytest.approx(0.5625)
     assert coarse.exit_code == 4
     assert run(scene, body=square(32)).checks["unseen_contact"].passed
+
+
+def test_an_arch_that_is_pressed_through_is_said_to_have_been_unstable():
+    """It would evade to a side on the way; at the end, turned over, it is stable again."""
+    body = box_body((30, 2), (6, 0.12))
+    places = body.mesh.geometry.x
+    places[:, 1] += 0.6 * np.sin(np.pi * places[:, 0] / 6)
+    roller = Obstacle("cylinder", radius=0.5, position=(3, 0.72), normal=(0, -1), indentation=1.2)
+    scene = Scene(
+        kinematics="plane strain",
+        strains="finite",
+        material=RUBBER,
+        support=tuple(Support(side, {"x": 0, "y": 0}) for side in ("x0", "x1")),
+        contact=(Contact("y1", obstacle=roller),),
+        steps=Steps(times=(0.1, 0.3, 0.5, 0.9, 1.0)),
+        solver=NO_ERRORS,
+    )
+    found = run(scene, body=body)
+    assert found.checks["stable_equilibrium"].passed
+    steps = {step.load_factor: step for step in found.steps}
+    unstable = [time for time, step in steps.items() if step.unstable_motions]
+    assert unstable[:2] == [0.3, 0.5] and unstable[-1] < 0.9
+    assert "From time 0.3 to" in found.verdict and "was not stable" in found.verdict
+    first, middle, last = (-steps[at].quantities["contact_force"][1] for at in (0.1, 0.5, 1.0))
+    assert middle < first < last  # it falls on the way
