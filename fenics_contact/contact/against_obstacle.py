@@ -9,7 +9,7 @@ from fenics_contact.common.arrays import Array, Flags, Integers, in_3d
 from fenics_contact.common.errors import FenicsContactError, InputError
 from fenics_contact.common.parallel import gather_rows, raise_together, smallest, total
 from fenics_contact.contact.between_points import BetweenPoints, TooCoarseError
-from fenics_contact.contact.kinematics import ContactKinematics
+from fenics_contact.contact.kinematics import FacingObstacle
 from fenics_contact.contact.mortar.facet_mesh import (
     CLOSE,
     CLOSEST,
@@ -30,7 +30,7 @@ _AS_NEAR = 1e-9
 _AHEAD = 1e-9
 
 
-class ObstacleKinematics(ContactKinematics):
+class ObstacleKinematics(FacingObstacle):
     """The jump w = u − d m against a rigid obstacle, or w = u against nothing.
 
     Args:
@@ -320,18 +320,6 @@ class ObstacleKinematics(ContactKinematics):
             reference=found.reference[met],
             spacing=self.facets.spacing[met],
         )
-
-    def relative(self, displacement: Array) -> Array:
-        """Displacement at all nodes of the surface: the obstacle's own is no unknown here."""
-        return displacement[self.trace.all_nodes]
-
-    def on_body(self, force: Array) -> Array:
-        """Forces at the nodes of the surface, at the body's nodes; collective."""
-        return self.trace.surface.on_body(force)
-
-    def reaches(self, flags: Flags) -> Flags:
-        """The body's nodes that forces on some nodes of the surface reach; collective."""
-        return self.trace.surface.on_body(flags.astype(np.float64)) > 0
 
     def touch(self) -> None:
         """Drive the obstacle until it just touches the body; collective."""

@@ -464,3 +464,19 @@ class ContactKinematics(ABC):
             low, high = np.where(inside, middle, low), np.where(inside, high, middle)
         found[cut] = low
         return found
+
+
+class FacingObstacle(ContactKinematics):
+    """The jump of a surface that faces no body: its displacement, and forces on its own nodes."""
+
+    def relative(self, displacement: Array) -> Array:
+        """Displacement at all nodes of the surface: the obstacle's own is no unknown here."""
+        return displacement[self.trace.all_nodes]
+
+    def on_body(self, force: Array) -> Array:
+        """Forces at the nodes of the surface, at the body's nodes; collective."""
+        return self.trace.surface.on_body(force)
+
+    def reaches(self, flags: Flags) -> Flags:
+        """The body's nodes that forces on some nodes of the surface reach; collective."""
+        return self.trace.surface.on_body(flags.astype(np.float64)) > 0

@@ -24,7 +24,7 @@ from fenics_contact.analytic.obstacle_shapes import Nearest, Sizes, turned
 from fenics_contact.common.arrays import Array, Flags, in_3d
 from fenics_contact.common.errors import InputError
 from fenics_contact.contact.between_points import BetweenPoints
-from fenics_contact.contact.kinematics import ContactKinematics
+from fenics_contact.contact.kinematics import FacingObstacle
 from fenics_contact.contact.mortar.facet_mesh import CLOSE, FacetSamples, lowest_points
 from fenics_contact.contact.surface.trace import Trace
 from fenics_contact.contact.turning import Turning
@@ -35,7 +35,7 @@ from fenics_contact.scene.obstacle import Obstacle
 _SAMPLES = 8
 
 
-class CurrentObstacle(ContactKinematics):
+class CurrentObstacle(FacingObstacle):
     """The jump against a rigid obstacle in a plane model, about the last measured places.
 
     Args:
@@ -170,18 +170,6 @@ class CurrentObstacle(ContactKinematics):
         """
         self.jump.x.array[:] = (relative - self._origin).reshape(-1)
         self._at_points = None
-
-    def relative(self, displacement: Array) -> Array:
-        """Displacement at all nodes of the surface: the obstacle's own is no unknown here."""
-        return displacement[self.trace.all_nodes]
-
-    def on_body(self, force: Array) -> Array:
-        """Forces at the nodes of the surface, at the body's nodes; collective."""
-        return self.trace.surface.on_body(force)
-
-    def reaches(self, flags: Flags) -> Flags:
-        """The body's nodes that forces on some nodes of the surface reach; collective."""
-        return self.trace.surface.on_body(flags.astype(np.float64)) > 0
 
     def _gap(self, points: Array, normals: Array) -> Array:
         """Distances of points from the obstacle, whatever the normals."""
