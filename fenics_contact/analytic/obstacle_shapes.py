@@ -255,7 +255,7 @@ class Cylinder(Sphere):
         return Nearest(distance, rays / safe[:, None], arc, 1 / safe, sizes.radius / safe)
 
     def period(self, sizes: Sizes) -> float:
-        """The circumference."""
+        """Length of the way once around the cylinder (length)."""
         return float(2 * np.pi * sizes.radius)
 
 

@@ -298,7 +298,7 @@ class Material:
             raise ValueError(f"density = {self.density:g} must be greater than 0")
 
     def _require_constants(self) -> None:
-        """Refuse other constants than those of the law, and a modulus beside them."""
+        """Refuse constants that the law has not, and a modulus together with constants."""
         names = energies.CONSTANTS.get(self.law or "", ())
         if set(self.constants) != set(names):
             known, given = (", ".join(one) or "none" for one in (names, self.constants))

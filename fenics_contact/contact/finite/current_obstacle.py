@@ -146,7 +146,7 @@ class CurrentObstacle(FacingObstacle):
         return True
 
     def _stretch(self, moved: Array) -> None:
-        """Let each point stand for its current area; forms follow; collective.
+        """Weigh each point by its current area; forms follow; collective.
 
         Args:
             moved: Displacement at all nodes of the surface, (nodes, 2) (length).

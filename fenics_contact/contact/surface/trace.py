@@ -145,7 +145,7 @@ class Trace:
         return counts
 
     def stretch_by(self, stretch: Expr) -> None:
-        """Let points stand for current areas, which are followed from now on; where all are nodes.
+        """Weigh points by current areas from now on; all points must be nodes.
 
         Args:
             stretch: Current area over that of the mesh, in UFL.

@@ -155,13 +155,13 @@ class HeatOfContact:
 
     @property
     def varies(self) -> bool:
-        """Whether its conductance goes by how much it is pressed, not just by whether it is."""
+        """Whether the conductance depends on the pressure, and not only on touching."""
         given = self.contact.contact.conductance
         return isinstance(given, Conductance) and max(given.values) > min(given.values)
 
     @property
     def highest(self) -> float:
-        """Its highest conductance at any pressure (power/area/temperature)."""
+        """Highest conductance of the contact at any pressure (power/area/temperature)."""
         given = self.contact.contact.conductance
         return max(given.values) if isinstance(given, Conductance) else float(given or 0.0)
 

@@ -39,7 +39,7 @@ def require_finite_strains(scene: CoreScene) -> None:
         )
     for key, (_, material) in zip(keys, _of(scene), strict=True):
         _require_material(material, key, scene.material[0])
-    _refuse(_beside(scene), _ASK)
+    _refuse(_not_yet_with(scene), _ASK)
     for number, support in enumerate(scene.support):
         _refuse(_of_support(support), f"support[{number}] with {_ASK}")
     for number, load in enumerate(scene.load):
@@ -91,7 +91,7 @@ def _require_material(material: Material, key: str, first: Material) -> None:
         )
 
 
-def _beside(scene: CoreScene) -> dict[str, bool]:
+def _not_yet_with(scene: CoreScene) -> dict[str, bool]:
     """Tables and settings that do not go with finite strains yet, and whether they are there."""
     solver = scene.solver
     return {

@@ -198,7 +198,7 @@ class ContactPasses:
     def _on_root(
         self, schur: Array, left: Array, at: _Geometry, laws: PointLaws | None
     ) -> PointAnswer | str:
-        """The same on rank 0, or in words why there is no answer."""
+        """Solve the laws on a geometry that rests, on rank 0; in words why there is no answer."""
         if len(self._rows) != len(at.openings):
             self._rows = np.zeros(len(at.openings))
         try:
@@ -244,7 +244,7 @@ class ContactPasses:
 
 @dataclass(frozen=True, eq=False)
 class _Geometry:
-    """What a measurement says of all points, the same on every rank.
+    """Gaps, slips and directions at all contact points as measured last, the same on every rank.
 
     Attributes:
         points: Those of each contact.

@@ -81,11 +81,11 @@ class FiniteSystem(System):
         """A solve has its own tangents."""
 
     def imbalance(self) -> float:
-        """Nothing is solved beside ``nested``."""
+        """0: ``nested`` solves, and has the imbalance."""
         return 0.0
 
     def round_off(self) -> float:
-        """Nothing is solved beside ``nested``."""
+        """0: ``nested`` solves, and has the imbalance."""
         return 0.0
 
     def moved(self) -> float:
@@ -94,7 +94,7 @@ class FiniteSystem(System):
 
     @property
     def present_forces(self) -> float:
-        """What an imbalance is small against (force)."""
+        """Forces that act, by which an imbalance is judged (force)."""
         return self.nested.forces
 
     def finish(self) -> FindBody:

@@ -36,7 +36,7 @@ class TangentBody:
         return self._bulk.schur
 
     def negative_eigenvalues(self) -> int | None:
-        """Of the inside, contact dofs being held; None where not known; collective."""
+        """Negative eigenvalues of K with contact dofs held, or None if unknown; collective."""
         return self._bulk.negative_eigenvalues()
 
     def condense(self, forces: Array, supported: Array) -> Array:
@@ -50,7 +50,7 @@ class TangentBody:
         return self._bulk.condense(self._load)
 
     def round_off(self, displacement: Array) -> float:
-        """What round-off may leave of internal forces at a displacement; collective (force).
+        """Round-off of internal forces at a displacement; collective (force).
 
         Args:
             displacement: At the nodes of this rank, (nodes, components) (length).

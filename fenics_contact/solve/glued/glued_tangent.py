@@ -69,7 +69,7 @@ class GluedSolver(SplitSolver):
         return np.asarray(self._nearly_solved(np.ascontiguousarray(columns.T)).T)
 
     def _nearly_solved(self, rows: Array) -> Array:
-        """As ``nearly_solved`` of vectors, (vectors, jumps)."""
+        """Nearly M⁻¹ times vectors that are rows, (vectors, jumps)."""
         jumps = self._factor.solve(rows)
         moved = self._stiffness.given_way(rows - (self._factorised @ jumps.T).T)
         return np.asarray(jumps + moved - self._factor.solve((self._factorised @ moved.T).T))

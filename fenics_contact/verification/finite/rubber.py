@@ -74,7 +74,7 @@ def pressed_block(law: str, depth: float, friction: float = 0.0, steps: int = 1)
 
 
 def block(cells: tuple[int, int] = (4, 4), width: float = 1.0) -> Body:
-    """Its mesh, of height 1."""
+    """Mesh of a block of height 1 (length)."""
     return boxes([Box("block", (0, 0), (width, 1), cells)])
 
 
@@ -176,7 +176,7 @@ def compressed_strip(shortened: float) -> tuple[Scene, Body]:
 
 
 def _buckling(quick: bool) -> Iterator[Finding]:
-    """By the check of stability: of one end clamped, the other one turning with no plate."""
+    """Shortening at which the check of stability begins to fail, beside Euler's."""
     low, high = 0.5 * BUCKLES_AT, 2.0 * BUCKLES_AT
     for _ in range(5 if quick else 8):
         middle = 0.5 * (low + high)

@@ -124,7 +124,7 @@ class HeatErrors:
 
     @property
     def squared(self) -> Array:
-        """Of each own cell ∫ k |∇e|² and of its films ∫ h e², (cells,) (power·temperature)."""
+        """∫ k |∇e|² and ∫ h e² of films, of own cells, (cells,) (power·temperature)."""
         return np.asarray(self._squared_by_block[self._blocks])
 
     def take_signs(self, signs: Array | None) -> None:

@@ -195,7 +195,7 @@ class LocalErrors:
 
     @property
     def squared_of_heat(self) -> Array | None:
-        """Likewise of the error of temperature (``HeatErrors.squared``); None where it is given."""
+        """``HeatErrors.squared`` of own cells, (cells,); None where temperatures are given."""
         return None if self._heat is None else self._heat.squared
 
     @property
