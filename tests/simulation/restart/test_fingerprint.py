@@ -60,6 +60,7 @@ def with_more_keys(kind):
     """A class of scenes with keys more, as a later version of the program might have it."""
 
     class Later(kind):
+        __module__ = kind.__module__  # where pydantic 2.10 looks for what annotations name
         new_number: Annotated[Number, Field(description="of later")] = 1.5
         new_numbers: Annotated[tuple[Number, ...], Field(description="of later")] = ()
         new_names: Annotated[dict[str, Number], Field(description="of later")] = Field(
