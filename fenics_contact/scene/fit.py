@@ -357,6 +357,7 @@ def _require_motion(scene: CoreScene) -> None:
         "steps": scene.steps != Steps(),
         "cycles": scene.cycles is not None,
         "half_space": scene.half_space is not None,
+        "accuracy": scene.accuracy is not None,
         **dict.fromkeys(registry.tables_not_with(scene, "motion"), True),
         "solver.branches": scene.solver.branches,
         "solver.stabilisation": scene.solver.stabilisation,

@@ -5,6 +5,7 @@ import dataclasses
 import pytest
 
 from fenics_contact import (
+    Accuracy,
     Contact,
     Load,
     Material,
@@ -31,6 +32,7 @@ PLANE = Obstacle("plane", position=(0.0, 0.0), normal=(0.0, 1.0))
     ("change", "words"),
     [
         ({"steps": Steps(number=3)}, "motion_with_steps"),
+        ({"accuracy": Accuracy(main=1e-2)}, "motion_with_accuracy"),
         ({"load": (Load("body", body_force=(0.0, -1.0)),)}, "motion_without_path_of_load"),
         ({"contact": (Contact("y0", obstacle=PLANE, friction_coefficient=0.3),)}, "no_velocities"),
         ({"contact": (Contact("y0", normal_law=BY_FORMULA, obstacle=PLANE),)}, "motion_of_formula"),

@@ -147,7 +147,10 @@ class HyperelasticBody(ElasticBody):
         Args:
             displacement: At the nodes of this rank, (nodes, components) (length).
         """
-        gradients = self._gradients_at(displacement)
+        return self._least_volume_ratio(self._gradients_at(displacement))
+
+    def _least_volume_ratio(self, gradients: Array) -> float:
+        """Least det F of all ranks, of gradients F at the points of each; collective."""
         ratios = gradients[:, 0, 0] * gradients[:, 1, 1] - gradients[:, 0, 1] * gradients[:, 1, 0]
         return smallest(self._spaces.comm, np.where(np.isfinite(ratios), ratios, -1.0))
 
@@ -164,7 +167,7 @@ class HyperelasticBody(ElasticBody):
         known = np.where(np.isfinite(gradients), gradients, 0.0)
         singular = np.linalg.svd(known, compute_uv=False)
         return Stretches(
-            volume_ratio=self.volume_ratio_at(displacement),
+            volume_ratio=self._least_volume_ratio(gradients),
             most=largest(comm, singular[:, 0]),
             least=smallest(comm, singular[:, 1]),
         )

@@ -27,9 +27,11 @@ def require_finite_strains(scene: CoreScene) -> None:
     Raises:
         ValueError: In a sentence that begins with the key.
     """
-    keys = [f"material[{n}]" if len(scene.material) > 1 else "material" for n, _ in _of(scene)]
+    materials = {"material": scene.material[0]}
+    if len(scene.material) > 1:
+        materials = {f"material[{number}]": one for number, one in enumerate(scene.material)}
     if not scene.has_finite_strains:
-        for key, (_, material) in zip(keys, _of(scene), strict=True):
+        for key, material in materials.items():
             if material.law is not None:
                 raise ValueError(f"{key}.law: only {_ASK} has stored energies; set it, or no law")
         return
@@ -37,7 +39,7 @@ def require_finite_strains(scene: CoreScene) -> None:
         raise ValueError(
             f"{_ASK}: is for kinematics = 'plane strain' yet, not for '{scene.kinematics}'"
         )
-    for key, (_, material) in zip(keys, _of(scene), strict=True):
+    for key, material in materials.items():
         _require_material(material, key, scene.material[0])
     _refuse(_not_yet_with(scene), _ASK)
     for number, support in enumerate(scene.support):
@@ -50,10 +52,6 @@ def require_finite_strains(scene: CoreScene) -> None:
             )
     for number, contact in enumerate(scene.contact):
         _require_contact(contact, f"contact[{number}]", scene.steps.several)
-
-
-def _of(scene: CoreScene) -> list[tuple[int, Material]]:
-    return list(enumerate(scene.material))
 
 
 def _refuse(others: dict[str, bool], what: str) -> None:
