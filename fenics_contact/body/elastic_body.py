@@ -23,7 +23,6 @@ from dolfinx.mesh import Mesh
 from numpy.typing import NDArray
 from ufl.core.expr import Expr
 
-from fenics_contact.body import materials as material
 from fenics_contact.body.coupled_face import (
     CoupledFace,
     Joints,
@@ -52,6 +51,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import total
+from fenics_contact.scene.body import NEARLY_INCOMPRESSIBLE
 from fenics_contact.scene.loading.temperatures import Temperature
 
 
@@ -114,7 +114,7 @@ class ElasticBody:
         self._moduli = elasticities.moduli
         self.name = "elastic energy"
         self.mixed: MixedForms | None = None
-        nearly = elasticities.largest_poissons_ratio >= material.NEARLY_INCOMPRESSIBLE
+        nearly = elasticities.largest_poissons_ratio >= NEARLY_INCOMPRESSIBLE
         if nearly and description.kinematics != "plane stress":
             assert isinstance(self.law, Isotropic)
             self.name = "elastic energy, nearly incompressible: mean stress as a second unknown"

@@ -29,7 +29,7 @@ from fenics_contact.common.parallel import (
     total,
 )
 from fenics_contact.mesh.tagged_mesh import Group
-from fenics_contact.scene.body import Material, ModulusTable
+from fenics_contact.scene.body import NEARLY_INCOMPRESSIBLE, Material, ModulusTable
 from fenics_contact.scene.values import Value
 
 
@@ -190,7 +190,6 @@ class MaterialPoints:
         return function
 
 
-NEARLY_INCOMPRESSIBLE = 0.49
 _STEEP = " (between the points where it is evaluated, too: a jump needs materials of its own)"
 
 

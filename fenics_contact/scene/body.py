@@ -34,6 +34,9 @@ from fenics_contact.scene.values import (
     scene_class,
 )
 
+#: Poisson's ratio from which a displacement alone locks.
+NEARLY_INCOMPRESSIBLE = 0.49
+
 
 @scene_class
 class MeshSource:

@@ -8,7 +8,7 @@ from dolfinx.mesh import CellType
 from mpi4py import MPI
 
 from fenics_contact import Contact, Discretisation, Load, Material, Run, Scene, Support
-from fenics_contact.body import materials as material
+from fenics_contact.body import elastic_body
 from fenics_contact.evaluate.stress_at_places import NodalStress
 from tests.body.test_materials import bimaterial
 from tests.scenes import box_body
@@ -76,7 +76,7 @@ def test_thick_cylinder(element, displacement, mean_stress):
 
 @pytest.mark.parametrize("element", ["P1", "Q1"])
 def test_without_the_second_unknown_it_locks(element, monkeypatch):
-    monkeypatch.setattr(material, "NEARLY_INCOMPRESSIBLE", 0.5)
+    monkeypatch.setattr(elastic_body, "NEARLY_INCOMPRESSIBLE", 0.5)
     assert thick_cylinder(element, 16)[0] > 0.3
 
 

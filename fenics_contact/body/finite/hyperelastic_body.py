@@ -25,6 +25,7 @@ from fenics_contact.common import form_cache
 from fenics_contact.common.arrays import Array
 from fenics_contact.common.errors import InputError
 from fenics_contact.common.parallel import largest, smallest, total
+from fenics_contact.scene.body import NEARLY_INCOMPRESSIBLE
 
 
 @dataclass(frozen=True)
@@ -70,8 +71,8 @@ class HyperelasticBody(ElasticBody):
         super().__init__(description, spaces, displacement, held)
         if self.mixed is not None:
             raise InputError(
-                'material.poissons_ratio: with strains = "finite" it is below 0.49 everywhere yet, '
-                "as nearly incompressible bodies lock"
+                'material.poissons_ratio: with strains = "finite" it is below '
+                f"{NEARLY_INCOMPRESSIBLE} everywhere yet, as nearly incompressible bodies lock"
             )
         self.name = f"stored energy, {name}"
         self._stored = form_cache.form(self._energy())

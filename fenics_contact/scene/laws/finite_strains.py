@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from fenics_contact.analyses import registry
 from fenics_contact.analytic import obstacle_shapes
-from fenics_contact.scene.body import Material
+from fenics_contact.scene.body import NEARLY_INCOMPRESSIBLE, Material
 from fenics_contact.scene.contact import Contact
 from fenics_contact.scene.core_scene import CoreScene
 from fenics_contact.scene.laws import energies
 from fenics_contact.scene.loading.supports import Support
 from fenics_contact.scene.obstacle import Obstacle
 
-# Poisson's ratio from which a displacement alone locks.
-_NEARLY_INCOMPRESSIBLE = 0.49
 # Kinds of loads whose forces do not turn with the body, nor depend on where it is.
 _DEAD = ("traction", "body_force")
 _ASK = 'strains = "finite"'
@@ -82,9 +80,9 @@ def _require_material(material: Material, key: str, first: Material) -> None:
             "poissons_ratio, no stiffness and no table of temperature"
         )
     ratio = material.poissons_ratio
-    if isinstance(ratio, float | int) and ratio >= _NEARLY_INCOMPRESSIBLE:
+    if isinstance(ratio, float | int) and ratio >= NEARLY_INCOMPRESSIBLE:
         raise ValueError(
-            f"{key}.poissons_ratio = {ratio:g}: with {_ASK} it is below {_NEARLY_INCOMPRESSIBLE} "
+            f"{key}.poissons_ratio = {ratio:g}: with {_ASK} it is below {NEARLY_INCOMPRESSIBLE} "
             "yet, as nearly incompressible bodies lock"
         )
 
